@@ -1,0 +1,49 @@
+"""Identifiers for the target languages, all made here.
+
+Names in a spec are snake_case. Two names that become one identifier, or a name that is a word of the target
+language, are errors of the spec (`check`), never repaired silently.
+"""
+
+from __future__ import annotations
+
+import keyword
+import re
+
+# Words of C, of C++ (a header may be included there) and of the C library.
+_C_WORDS = """
+auto break case char const continue default do double else enum extern float for goto if inline int long register
+restrict return short signed sizeof static struct switch typedef union unsigned void volatile while asm bool true false
+near far interrupt class namespace private protected public template this typename using virtual new delete operator
+throw try catch friend explicit export mutable and or not xor bitand bitor compl errno stdin stdout stderr NULL offsetof
+"""
+_RESERVED_IN_C = frozenset(re.findall(r"\w+", _C_WORDS))
+
+
+def constant(*parts: str) -> str:
+    """UPPER_SNAKE_CASE of the parts, for C macros and enumerators and Python constants."""
+    return "_".join(part.upper() for part in parts if part)
+
+
+def identifier(*parts: str) -> str:
+    """lower_snake_case of the parts, for C variables and Python attributes."""
+    return "_".join(part for part in parts if part)
+
+
+def class_name(name: str) -> str:
+    """CamelCase of a snake_case name, for Python classes."""
+    return "".join(word[:1].upper() + word[1:] for word in name.split("_"))
+
+
+def type_prefix(device_name: str) -> str:
+    """A device's name as a Python class: `TMCM-6212` gives `TMCM6212`."""
+    return re.sub(r"[^A-Za-z0-9]", "", device_name)
+
+
+def reserved_in_c(name: str) -> bool:
+    """True for a C or C++ keyword, or a name that the C library takes."""
+    return name in _RESERVED_IN_C
+
+
+def reserved_in_python(name: str) -> bool:
+    """True for a hard keyword of Python (soft ones such as `match` may name things)."""
+    return keyword.iskeyword(name)

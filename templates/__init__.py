@@ -1,0 +1,1 @@
+"""The templates of the built-in backends. Package data of the generator."""
