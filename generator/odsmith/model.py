@@ -394,7 +394,7 @@ class Revision:
 
 @dataclass(frozen=True, slots=True)
 class AxisArea:
-    """A range of indices that repeats for each axis: axis n has it at `first + n * stride`."""
+    """A range of indices: axis n has it at `first + n * stride`. Stride 0 is a range that stands once per device."""
 
     name: str
     first: int

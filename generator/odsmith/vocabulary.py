@@ -162,7 +162,7 @@ class LedPattern:
     title: str
     steady: Literal["", "on", "off"]
     phases: tuple[int, ...]
-    when: str
+    when: tuple[str, ...]
     priority: int
     text: str
     place: Place = field(default=NOWHERE, compare=False, repr=False)

@@ -1,0 +1,90 @@
+"""`make bench`: how long the generator and what it generates take, beside the peers, in one run.
+
+Cold means a new process; the bytecode caches of Python and of the templates may be warm.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from measure import Series, measure, report
+from synthetic import synthetic_spec
+
+ROOT = Path(__file__).parent.parent
+BIN = Path(sys.executable).parent
+DEVICE = "tmcm3230"
+EDS = ROOT / "generated" / DEVICE / "eds" / "TMCM-3230.eds"
+
+TIMED = "import time; start = time.perf_counter(); {}; print(time.perf_counter() - start)"
+
+
+def bench_build(folder: Path, runs: int) -> None:
+    """A full build of one device into a new folder, and a check of it, beside dcf2dev on the EDS."""
+    command = [sys.executable, "-m", "odsmith.cli", "build", DEVICE, "--project", ROOT, "--out", folder / "out"]
+    removing = "import shutil, sys; from odsmith.cli import main; shutil.rmtree(sys.argv[2], ignore_errors=True); "
+    build = Series(
+        "odsmith build, every artefact",
+        [sys.executable, "-c", removing + "sys.exit(main(['build', sys.argv[1], '--project', sys.argv[3], "
+         "'--out', sys.argv[2]]))", DEVICE, folder / "out", ROOT],
+    )  # fmt: skip
+    check = Series("odsmith build --check", [*command, "--check"])
+    peer = Series("dcf2dev, C alone, from the EDS", [BIN / "dcf2dev", EDS, DEVICE])
+    measure([build, check, peer], runs)
+    report("Build of the TMCM-3230", [build, check, peer], peer)
+
+
+def bench_import(folder: Path, runs: int) -> None:
+    """Importing the installed bindings beside reading the EDS; the time inside the process, after its start."""
+    shutil.copytree(ROOT / "generated" / DEVICE / "python" / DEVICE, folder / "site" / DEVICE)
+    path = f"import sys; sys.path.insert(0, {str(folder / 'site')!r}); "
+    bindings = Series("import tmcm3230", [sys.executable, "-c", path + TIMED.format(f"import {DEVICE}")], True)
+    first_use = Series(
+        "import tmcm3230, first use of an enumeration",
+        [sys.executable, "-c", path + TIMED.format(f"import {DEVICE}; {DEVICE}.HomingMethod")],
+        True,
+    )
+    eds = Series(
+        "canopen.import_od of the EDS",
+        [sys.executable, "-c", "import canopen; " + TIMED.format(f"canopen.import_od({str(EDS)!r})")],
+        True,
+    )
+    measure([bindings, first_use, eds], runs)
+    report("Import of the bindings", [bindings, first_use, eds], eds)
+
+
+def bench_growth(folder: Path, runs: int) -> None:
+    """A synthetic device of 8 to 64 axes: time against bytes of output."""
+    series = []
+    for axes in (8, 16, 32, 64):
+        spec = folder / f"synthetic{axes}.yaml"
+        spec.write_text(synthetic_spec(axes), encoding="utf-8")
+        out = folder / f"synthetic{axes}"
+        series.append(
+            Series(
+                f"{axes} axes", [sys.executable, "-m", "odsmith.cli", "build", spec, "--out", out, "--project", ROOT]
+            )
+        )
+    measure(series, runs)
+    report("Growth with the number of axes (time against 8 axes)", series, series[0])
+    for each, axes in zip(series, (8, 16, 32, 64), strict=True):
+        size = sum(path.stat().st_size for path in (folder / f"synthetic{axes}").rglob("*") if path.is_file())
+        print(f"  {axes:>3} axes: {size / 1024:8.1f} KiB of output, {each.median * 1e9 / size:6.1f} ns a byte")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=11)
+    runs = parser.parse_args().runs
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        bench_build(folder, runs)
+        bench_import(folder, 2 * runs + 1)
+        bench_growth(folder, max(3, runs // 3))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,95 @@
+"""The reference: Markdown pages that a repository shows, and one HTML page that needs nothing else.
+
+Each fact is put into words once (`docs_objects`, `docs_view`); the templates lay the words out, twice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from odsmith import escape
+from odsmith.backends import docs_view
+from odsmith.backends.docs_diagram import Arrow, draw
+from odsmith.backends.docs_links import element_links, hexadecimal, mentions, pages
+from odsmith.backends.docs_objects import EDS_AXES, ObjectWriter
+from odsmith.backends.docs_text import Reader, html, html_link, markdown
+from odsmith.model import Device
+from odsmith.render import MARK, Backend, Output
+from odsmith.vocabulary import Vocabulary
+
+
+class DocsBackend(Backend):
+    """Writes the Markdown reference and `index.html` of a device; of the vocabulary its words, the manual of the spec
+    format and the list of rules."""
+
+    name = "docs"
+    filters: Mapping[str, Callable[..., Any]] = {
+        "md": markdown,
+        "html": html,
+        "target": html_link,
+        "mermaid": escape.mermaid,
+        "hex": hexadecimal,
+    }
+
+    def render(self, model: Device | Vocabulary) -> list[Output]:
+        """All pages; of a device those that it has something to fill with."""
+        outputs = super().render(model)
+        if not isinstance(model, Device):
+            return outputs
+        files = {"README.md", "index.html", *(page.file for page in pages(model))}
+        return [output for output in outputs if output.path.rsplit("/", 1)[-1] in files]
+
+    def device_context(self, device: Device) -> Mapping[str, object]:
+        elements = element_links(device)
+        read = Reader(mentions(device, elements))
+        objects = ObjectWriter(device, elements, read)
+        writer = docs_view.DeviceWriter(device, elements, read)
+        transitions = writer.transitions()
+        return {
+            "mark": MARK,
+            "device": device,
+            "identity": device.identity,
+            "pages": pages(device),
+            "has": {page.file.removesuffix(".md") for page in pages(device)},
+            "axes": range(device.axes),
+            "eds_axes": EDS_AXES,
+            "areas": list(docs_view.arithmetic(device)),
+            "facts": docs_view.features(device),
+            "read": read,
+            "object_pages": {page.file: page for page in objects.pages()},
+            "pdo_tables": writer.pdo_tables(),
+            "modes": writer.modes(),
+            "homing": writer.homing(),
+            "ramp": list(writer.ramp()),
+            "states": writer.states(),
+            "commands": writer.commands(),
+            "transitions": transitions,
+            "drawing": draw(
+                [state.name for state in device.pds_states],
+                [Arrow(str(t.number), t.label, t.starts, t.end) for t in transitions],
+            ),
+            "state_titles": {state.name: state.title for state in device.pds_states},
+            "emergencies": writer.emergencies(),
+            "leds": writer.leds(),
+            "groups": list(writer.groups()),
+            "errata": writer.errata_list(),
+            "source": writer.source,
+        }
+
+    def vocabulary_context(self, vocabulary: Vocabulary) -> Mapping[str, object]:
+        from odsmith.backends.docs_format import manual, read_schema  # a device's build has no use for these
+        from odsmith.rules import RULES
+
+        read = Reader({})
+        return {
+            "mark": MARK,
+            "vocabulary": vocabulary,
+            "read": read,
+            "state_pattern": docs_view.state_pattern,
+            "command_pattern": docs_view.command_pattern,
+            "phases": docs_view.phases,
+            "words": docs_view.words,
+            "format": manual(read_schema()),
+            "rules": list(RULES.values()),
+        }

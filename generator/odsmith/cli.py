@@ -1,0 +1,230 @@
+"""The command `odsmith`.
+
+Exit status: 0 fine; 1 stale outputs, or lint findings of the level of `--fail-on`; 2 cannot work on it (a bad spec, an
+unreadable file, wrong options).
+"""
+
+from __future__ import annotations
+
+import argparse
+import gc
+import json
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import TextIO
+
+from odsmith.errors import Diagnostic, SourceLines, SpecError, format_diagnostic
+from odsmith.project import UsageError
+
+FINE, FINDINGS, FAILED = 0, 1, 2
+LEVELS = ("note", "warning", "error")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns the exit status."""
+    options = _parser().parse_args(arguments)
+    gc.disable()  # a short process: collecting garbage costs a tenth of a build and frees nothing that matters
+    try:
+        return int(options.run(options))
+    except SpecError as error:
+        _print_diagnostics(error.diagnostics, error.texts, options)
+        return FAILED
+    except UsageError as error:
+        return _fail(str(error), error.hint, options)
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except OSError as error:
+        name = f"{error.filename}: " if error.filename else ""
+        return _fail(f"{name}{error.strerror or error}", "", options)
+
+
+def _fail(message: str, hint: str, options: argparse.Namespace) -> int:
+    if options.json:
+        print(json.dumps({"error": message, "hint": hint}))
+    else:
+        print(f"odsmith: error: {message}" + (f"\nhint: {hint}" if hint else ""), file=sys.stderr)
+    return FAILED
+
+
+def _parser() -> argparse.ArgumentParser:
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument("--json", action="store_true", help="answer in JSON, for machines")
+    common.add_argument(
+        "--project", type=Path, default=Path(), metavar="DIR", help="the folder that has spec/ (default: .)"
+    )
+    parser = argparse.ArgumentParser(
+        prog="odsmith", description="Compile one YAML model of a CANopen device into EDS, C tables, Python and docs."
+    )
+    parser.add_argument("--version", action="version", version=f"odsmith {version('odsmith')}")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    build = commands.add_parser("build", parents=[common], help="generate everything, or prove that it is fresh")
+    build.add_argument("device", nargs="*", help="a device of the project, or a YAML file (default: all of spec/)")
+    build.add_argument("--check", action="store_true", help="write nothing; exit 1 and name what is stale")
+    build.add_argument("--out", type=Path, metavar="DIR", help="where outputs go (default: generated/ of the project)")
+    build.add_argument("--backend", action="append", default=[], metavar="NAME", help="run only this one; repeatable")
+    build.set_defaults(run=_build)
+
+    lint = commands.add_parser("lint", parents=[common], help="report errors and warnings of specs")
+    lint.add_argument("device", nargs="*", help="a device of the project, or a YAML file (default: all of spec/)")
+    lint.add_argument("--fail-on", choices=LEVELS, default="warning", help="the level that makes exit status 1")
+    lint.set_defaults(run=_lint)
+
+    listing = commands.add_parser("list", parents=[common], help="list the devices and what they have")
+    listing.add_argument("device", nargs="*", help="a device of the project, or a YAML file (default: all of spec/)")
+    listing.set_defaults(run=_list)
+
+    explain = commands.add_parser("explain", parents=[common], help="say what an index, name, EMCY or abort code is")
+    explain.add_argument(
+        "term", nargs="+", help="6040, 0x6840, 607D:1, TargetPosition, EMCY 8611, 06090030, pp, E40 ..."
+    )
+    explain.add_argument("--device", action="append", default=[], help="look only here; repeatable")
+    explain.set_defaults(run=_explain)
+    return parser
+
+
+def _build(options: argparse.Namespace) -> int:
+    from odsmith.backends import UnknownBackendError
+    from odsmith.project import compile_all, render_all, select
+    from odsmith.render import compare, write
+
+    compiled = compile_all(select(options.project, options.device))
+    for item in compiled:
+        _print_diagnostics(item.warnings, item.loaded.texts, options)
+    try:
+        outputs = render_all(compiled, options.backend)
+    except UnknownBackendError as error:
+        raise UsageError(f"there is no backend '{error}'", "built in: eds, c, python, docs") from error
+    folder = options.out or options.project / "generated"
+    differences = compare(outputs, folder) if options.check else write(outputs, folder)
+    if options.json:
+        _print_json(
+            {
+                "folder": str(folder),
+                "files": len(outputs),
+                "changed": differences.changed,
+                "missing": differences.missing,
+                "left_over": differences.left_over,
+            }
+        )
+    elif options.check:
+        for verb, paths in (
+            ("changed", differences.changed),
+            ("missing", differences.missing),
+            ("left over", differences.left_over),
+        ):
+            for path in paths:
+                print(f"stale: {folder / path} ({verb})")
+        if differences:
+            print("run `odsmith build` and commit the result", file=sys.stderr)
+        else:
+            print(f"{len(outputs)} files in {folder} are fresh")
+    else:
+        for path in sorted({*differences.changed, *differences.missing}):
+            print(f"wrote {folder / path}")
+        for path in differences.left_over:
+            print(f"removed {folder / path}")
+        written = len(differences.changed) + len(differences.missing)
+        print(f"{len(outputs)} files in {folder}, {written} written")
+    return FINDINGS if options.check and differences else FINE
+
+
+def _lint(options: argparse.Namespace) -> int:
+    from odsmith.compile import compile_spec
+    from odsmith.project import select
+
+    findings: list[Diagnostic] = []
+    texts: dict[str, str] = {}
+    broken = False
+    for root in select(options.project, options.device):
+        try:
+            compiled = compile_spec(root.path)
+            findings += compiled.warnings
+            texts |= compiled.loaded.texts
+        except SpecError as error:
+            findings += error.diagnostics
+            texts |= error.texts
+            broken = True
+    unique = list(dict.fromkeys(findings))
+    _print_diagnostics(unique, texts, options, stream=sys.stdout)
+    if not options.json:
+        print(f"{len(unique)} finding{'' if len(unique) == 1 else 's'}")
+    if broken:
+        return FAILED
+    threshold = LEVELS.index(options.fail_on)
+    return FINDINGS if any(LEVELS.index(finding.severity) >= threshold for finding in unique) else FINE
+
+
+def _list(options: argparse.Namespace) -> int:
+    from odsmith.project import compile_all, devices, select
+
+    found = devices(compile_all(select(options.project, options.device)))
+    rows = [
+        {
+            "identifier": device.identity.identifier,
+            "name": device.identity.name,
+            "title": device.identity.title,
+            "version": device.identity.version,
+            "axes": device.axes,
+            "objects": len(device.expanded),
+            "entries": sum(len(item.entries) for item in device.expanded),
+            "pdos": sum(item.number > 0 for item in device.expanded) // 2,
+            "emergencies": len(device.emergencies),
+            "digest": device.digest,
+        }
+        for device in found
+    ]
+    if options.json:
+        _print_json(rows)
+    else:
+        from odsmith.console import print_table
+
+        print_table(rows)
+    return FINE
+
+
+def _explain(options: argparse.Namespace) -> int:
+    from odsmith.explain import explain, known_names
+    from odsmith.project import compile_all, devices, select
+
+    term = " ".join(options.term)
+    found = devices(compile_all(select(options.project, options.device)))
+    answers = [answer for device in found for answer in explain(device, term)]
+    if not answers:
+        import difflib
+
+        names = sorted({name for device in found for name in known_names(device)})
+        close = difflib.get_close_matches(term.lower().replace(" ", "_"), names, 3)
+        hint = f"did you mean {' or '.join(close)}?" if close else "try an index such as 6040, a name, or EMCY 8611"
+        raise UsageError(f"nothing here is called '{term}'", hint)
+    if options.json:
+        _print_json([answer.to_json() for answer in answers])
+    else:
+        from odsmith.console import print_explanations
+
+        print_explanations(answers)
+    return FINE
+
+
+def _print_diagnostics(
+    found: Sequence[Diagnostic], texts: Mapping[str, str], options: argparse.Namespace, stream: TextIO | None = None
+) -> None:
+    if options.json:
+        if found or options.run is _lint:
+            _print_json([diagnostic.to_json() for diagnostic in found])
+        return
+    lines = SourceLines(texts)
+    for diagnostic in found:
+        print(format_diagnostic(diagnostic, lines), file=stream or sys.stderr)
+
+
+def _print_json(value: object) -> None:
+    print(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

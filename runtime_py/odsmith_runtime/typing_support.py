@@ -1,0 +1,31 @@
+"""`Generic`, `TypeVar` and `overload` for type checkers, without importing typing when a program runs.
+
+Importing typing takes several times as long as importing a whole generated dictionary. Type checkers see the real
+things; at run time classes here are not parametrised at all, so a stand-in that ignores its parameter is enough.
+"""
+
+from __future__ import annotations
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any as Any
+    from typing import Generic as Generic
+    from typing import TypeVar as TypeVar
+    from typing import dataclass_transform as dataclass_transform
+    from typing import overload as overload
+else:
+
+    class Generic:
+        """Base of a class with a type parameter; `Entry[int]` is `Entry`."""
+
+        def __class_getitem__(cls, parameter):
+            return cls
+
+    def TypeVar(name, **_):  # noqa: N802  # named as what it stands for
+        return name
+
+    def dataclass_transform(**_):
+        return lambda decorated: decorated
+
+    def overload(function):
+        return function

@@ -1,0 +1,59 @@
+"""What all tests share: the compiled models, and the programs that only some machines have."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from odsmith.compile import compile_file
+from odsmith.model import Device
+from odsmith.vocabulary import Vocabulary
+
+ROOT = Path(__file__).parent.parent
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    """The checkout."""
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def tool() -> Callable[[str], str]:
+    """`tool("clang")` gives the path of a program; without it the test is skipped, but fails where CI is set."""
+
+    def find(name: str) -> str:
+        path = shutil.which(name)
+        if path is None and os.environ.get("CI"):
+            pytest.fail(f"{name} is missing: .ci/run must install it")
+        if path is None:
+            pytest.skip(f"{name} is not installed")
+        return path
+
+    return find
+
+
+def _device(name: str) -> Device:
+    model = compile_file(ROOT / "spec" / name)
+    assert isinstance(model, Device)
+    return model
+
+
+@pytest.fixture(scope="session")
+def tmcm3230() -> Device:
+    return _device("tmcm3230.yaml")
+
+
+@pytest.fixture(scope="session")
+def io_module() -> Device:
+    """A device without axes."""
+    return _device("examples/io_module.yaml")
+
+
+@pytest.fixture(scope="session")
+def vocabulary() -> Vocabulary:
+    return compile_file(ROOT / "spec" / "cia" / "cia.yaml")
