@@ -74,7 +74,8 @@ class SpecError(Exception):
         super().__init__(self.diagnostics)
 
     def __str__(self) -> str:
-        return "\n".join(format_diagnostic(item, SourceLines(self.texts)) for item in self.diagnostics)
+        lines = SourceLines(self.texts)
+        return "\n".join(format_diagnostic(item, lines) for item in self.diagnostics)
 
 
 class SourceLines:
@@ -86,8 +87,13 @@ class SourceLines:
 
     def __call__(self, path: str) -> Sequence[str]:
         if path not in self._lines:
-            self._lines[path] = _LINE_END.split(self._texts.get(path, ""))
+            self._lines[path] = split_lines(self._texts.get(path, ""))
         return self._lines[path]
+
+
+def split_lines(text: str) -> list[str]:
+    """The lines of a source text, numbered as libyaml numbers them."""
+    return _LINE_END.split(text)
 
 
 def in_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
@@ -147,6 +153,16 @@ def listed(words: Iterable[str], last: str = "or") -> str:
     """Words as a sentence has them: `a`, `b` or `c`."""
     names = [quoted(word) for word in words]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}" if names else "nothing"
+
+
+def did_you_mean(word: str, words: Iterable[str]) -> str:
+    """A hint that names the most similar of the words, or nothing if none is similar."""
+    if len(word) > 60:  # the comparison takes quadratic time, and nobody misspells such a word
+        return ""
+    from difflib import get_close_matches  # only a wrong specification needs it
+
+    near = get_close_matches(word, list(words), 1, 0.6)
+    return f"did you mean {quoted(near[0])}?" if near else ""
 
 
 def _place_json(place: Place) -> dict[str, str | int]:

@@ -27,7 +27,7 @@ _INTERVAL = re.compile(rf"\s*({_NUMBER})\s*(?:\.\.\s*({_NUMBER})\s*)?")
 def parse_range(text: str | int) -> Allowed:
     """`0..63`, `0, 2..15`, `1` or a bare number; intervals are sorted and joined where they touch."""
     if isinstance(text, int):
-        return Allowed(((text, text),))
+        return Allowed(((text, text),), listed=True)
     intervals = []
     for piece in text.split(","):
         match = _INTERVAL.fullmatch(piece)
@@ -38,12 +38,12 @@ def parse_range(text: str | int) -> Allowed:
         if low > high:
             raise FieldError(f"the range {piece.strip()} is empty", f"write the smaller value first: {high}..{low}")
         intervals.append((low, high))
-    return Allowed(_join(intervals))
+    return Allowed(_join(intervals), listed="," in text or ".." not in text)
 
 
 def allowed_values(values: list[int]) -> Allowed:
     """The set of exactly these values."""
-    return Allowed(_join([(value, value) for value in values]))
+    return Allowed(_join([(value, value) for value in values]), listed=True)
 
 
 def _join(intervals: list[tuple[int, int]]) -> tuple[tuple[int, int], ...]:

@@ -20,7 +20,7 @@ import yaml
 from yaml._yaml import CParser
 
 from odsmith.canopen_types import Place
-from odsmith.errors import Diagnostic, SourceLines, SpecError, listed, quoted, shown_path, visible
+from odsmith.errors import Diagnostic, SourceLines, SpecError, listed, quoted, shown_path, split_lines
 from odsmith.rules import diagnose
 
 FORMAT = 1
@@ -155,7 +155,7 @@ class _File:
     @property
     def identity(self) -> str:
         """Equal for two ways to one file."""
-        return str(self.at.resolve()) if isinstance(self.at, Path) else str(self.at)
+        return os.path.realpath(self.at) if isinstance(self.at, Path) else str(self.at)
 
     def beside(self, name: str) -> _File | None:
         """The file of this name relative to this one; None where that would leave the library."""
@@ -216,8 +216,10 @@ class _Loader:
         called = quoted(shown_path(file.path))
         data = b""
         try:
-            if not file.at.is_file():
-                reason = "is a folder, not a file" if file.at.is_dir() else "is not a file"
+            if file.at.is_dir():
+                reason = "is a folder, not a file"
+            elif not file.at.is_file():
+                reason = "is not a file" if _exists(file) else "does not exist"
             else:
                 with file.at.open("rb") as stream:
                     data = stream.read(MAX_BYTES + 1)
@@ -304,7 +306,7 @@ def _exists(file: _File) -> bool:
 
 # What YAML 1.1 forbids in a file (section 5.1): libyaml stops there with an offset that helps nobody.
 _FORBIDDEN = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
-_LEADING_TAB = re.compile(r"^ *\t", re.MULTILINE)
+_LEADING_TAB = re.compile(r" *\t")
 
 
 def _decode(data: bytes, path: str, diagnostics: list[Diagnostic]) -> str | None:
@@ -334,7 +336,7 @@ def _decode(data: bytes, path: str, diagnostics: list[Diagnostic]) -> str | None
 
 def _place_at(text: str, offset: int, path: str) -> Place:
     """The place of a character, with lines as libyaml counts them."""
-    before = re.split("\r\n|[\n\r\x85\u2028\u2029]", text[:offset])
+    before = split_lines(text[:offset])
     return Place(path, len(before), len(before[-1]) + 1)
 
 
@@ -366,11 +368,13 @@ def _document(text: str, path: str, diagnostics: list[Diagnostic]) -> Map | None
 
 
 def _tab_errors(text: str, path: str) -> Iterator[Diagnostic]:
-    for number, found in enumerate(_LEADING_TAB.finditer(text) if "\t" in text else ()):
-        if number == MAX_ERRORS:
-            return
-        place = _place_at(text, found.end() - 1, path)
-        yield diagnose("E107", place, "a tab in the indentation", length=1)
+    found = 0
+    for number, line in enumerate(split_lines(text), 1) if "\t" in text else ():
+        if tab := _LEADING_TAB.match(line):
+            yield diagnose("E107", Place(path, number, tab.end()), "a tab in the indentation", length=1)
+            found += 1
+            if found == MAX_ERRORS:
+                return
 
 
 class _StopReading(Exception):  # noqa: N818 - not an error: what is wrong has been reported
@@ -478,12 +482,16 @@ class _Builder:
                 return text
             for pattern, rule_id, message, hint in _DOUBTFUL_NUMBERS:
                 if pattern.match(text):
-                    self._report(rule_id, line, column, f"{quoted(text)} {message}", f'{hint}quote text: "{text}"')
+                    self._report(
+                        rule_id, line, column, f"{quoted(text)} {message}", f'{hint}quote it as text: "{text}"'
+                    )
                     return text
         elif text.lower() in _DOUBTFUL_WORDS:
             truth = _DOUBTFUL_WORDS[text.lower()]
             message = f"{quoted(text)} is {truth} to some YAML readers and text to others"
-            self._report("E110", line, column, message, f'write {truth} if that is meant, or quote text: "{text}"')
+            self._report(
+                "E110", line, column, message, f'write {truth} if that is meant, or quote it as text: "{text}"'
+            )
             return text
         self._scalars[text] = text
         return text

@@ -53,9 +53,14 @@ class NamedValue:
 @dataclass(frozen=True, slots=True)
 class Allowed:
     """The values that a write may carry, as ascending closed intervals that do not touch: `0, 2..15` is
-    `((0, 0), (2, 15))`."""
+    `((0, 0), (2, 15))`.
+
+    A `listed` set names its members (`0, 2..15`, or the keys of `values`): any other value is invalid (06090030h).
+    One plain range is not listed: a value beside it is too low or too high (06090032h, 06090031h).
+    """
 
     intervals: tuple[tuple[int, int], ...]
+    listed: bool
 
     @property
     def low(self) -> int:
@@ -64,11 +69,6 @@ class Allowed:
     @property
     def high(self) -> int:
         return self.intervals[-1][1]
-
-    @property
-    def contiguous(self) -> bool:
-        """True for one plain range: only then do `too low` and `too high` say all there is to say."""
-        return len(self.intervals) == 1
 
     @property
     def members(self) -> tuple[int, ...] | None:

@@ -162,7 +162,13 @@ rule(
 )
 rule("E211", "error", "change of nothing", "`change` names an element or key that no included file defines.")
 rule("E212", "error", "removal of nothing", "`remove` names an element that no included file defines.")
-rule("E213", "error", "nothing to build", "A specification is either a device or a vocabulary.")
+rule(
+    "E213",
+    "error",
+    "identity changed",
+    "Other elements refer to an element by its identity, so that a change cannot give it a new one.",
+    "remove the element and define a new one",
+)
 
 # ---- E3xx: names and references -------------------------------------------------------------------------------------
 rule(
@@ -174,7 +180,12 @@ rule(
 rule("E302", "error", "unknown name", "A name refers to an element that no file of the spec defines.")
 rule("E303", "error", "sub-index described twice", "Each sub-index of an object has one description.")
 rule("E304", "error", "nothing to repeat for", "A sub-index that repeats for each axis needs a device with axes.")
-rule("E305", "error", "no data type", "Every entry has a data type of CiA 301, its own or its object's.")
+rule(
+    "E305",
+    "error",
+    "incomplete entry",
+    "Every entry has a data type of CiA 301 and an access, its own or its object's.",
+)
 rule(
     "E306",
     "error",
@@ -186,6 +197,8 @@ rule(
 )
 rule("E308", "error", "mode without code", "A mode that CiA 402 does not know needs a code of its own.")
 rule("E309", "error", "nothing to build", "A root file describes a device or a vocabulary.")
+
+rule("E310", "error", "sub-indices of a variable", "Only arrays and records have sub-indices.")
 
 # ---- E4xx: meaning --------------------------------------------------------------------------------------------------
 rule("E401", "error", "mandatory object missing", "CiA 301 demands 1000h, 1001h and 1018h of every device.")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -28,7 +29,7 @@ def test_broken_spec(
     monkeypatch.chdir(HERE)
     out = tmp_path / "out"
     status = main(["build", f"{name}.yaml", "--out", str(out)])
-    message = capsys.readouterr().err
+    message = capsys.readouterr().err.replace(str(HERE.parent.parent), "<checkout>")
     expected = HERE / f"{name}.txt"
     if accept:
         expected.write_text(message, encoding="utf-8")
@@ -62,8 +63,7 @@ def test_ten_megabytes(tmp_path: Path, capsys: pytest.CaptureFixture[str], monke
     Path("large.yaml").write_text("format: 1\n" + "# and so on and so on\n" * 480_000)
     assert main(["build", "large.yaml", "--out", "out"]) == 2
     assert capsys.readouterr().err == (
-        "large.yaml: error[E102]: the file has 10560010 bytes, a specification has at most 4194304\n"
-        "hint: split the file and include the parts\n"
+        "large.yaml: error[E102]: `large.yaml` is larger than 4 MB\nhint: split the file and include the parts\n"
     )
 
 
@@ -71,10 +71,14 @@ def test_unreadable_file(tmp_path: Path, capsys: pytest.CaptureFixture[str], mon
     monkeypatch.chdir(tmp_path)
     Path("secret.yaml").write_text("format: 1\n")
 
-    def refuse(self: Path) -> bytes:  # root may read everything, so the refusal is made up
-        raise PermissionError(13, "Permission denied", str(self))
+    real_open = Path.open
 
-    monkeypatch.setattr(Path, "read_bytes", refuse)
+    def refuse(self: Path, *arguments: Any, **options: Any) -> Any:  # root may read everything: the refusal is made up
+        if self.name == "secret.yaml":
+            raise PermissionError(13, "Permission denied", str(self))
+        return real_open(self, *arguments, **options)
+
+    monkeypatch.setattr(Path, "open", refuse)
     assert main(["build", "secret.yaml", "--out", "out"]) == 2
     assert "secret.yaml: error[E101]: " in (message := capsys.readouterr().err)
     assert "Permission denied" in message or "permission" in message
@@ -109,6 +113,5 @@ def test_every_rule_of_the_passes_has_a_broken_spec() -> None:
         "E102": "too large: a test above",
         "E122": "too many errors: tests/unit/generator/test_load.py",
     }
-    assert sorted(
-        rule for rule in RULES if rule.startswith("E") and f"[{rule}]" not in shown and rule not in elsewhere
-    ) == []
+    unshown = {rule for rule in RULES if rule.startswith("E") and f"[{rule}]" not in shown}
+    assert unshown == set(elsewhere)

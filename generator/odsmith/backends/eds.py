@@ -1,7 +1,7 @@
 """The electronic data sheet: the one file that configuration tools and PLCs read of a device (CiA 306-1).
 
-The template lays the file out; this module finds the values of its keys. What those rules of CiA 306 that readers
-disagree on come to is decided here, each time for the spelling that all of them understand.
+The template lays the file out; this module finds the values of its keys. Where readers disagree on a rule of
+CiA 306, the spelling that all of them understand is chosen here.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class ObjectList:
 
 
 def eds_text(text: str) -> str:
-    """Text as the value of a key. The equals sign goes too: some readers split a line at its last one."""
+    """Text as the value of a key. The equals sign goes too: readers need not agree on which of two splits a line."""
     return escape.eds_value(text).replace("=", ":")
 
 
@@ -186,7 +186,7 @@ def _paragraphs(device: Device) -> Iterator[str]:
         yield f"The device also runs at {rates} kbit/s, for which CiA 306 has no BaudRate key."
     if device.axes > 1:
         yield (
-            f"Axes count from 0 to {device.axes - 1}, in emergency messages as well. Only the names of parameters "
-            "count them from 1: a name that ends in 1 belongs to axis 0."
+            f"Axes count from 0 to {device.axes - 1}, in emergency messages too, except at the end of the names of "
+            "objects: a name that ends in 1 belongs to axis 0."
         )
     yield from identity.eds.comments

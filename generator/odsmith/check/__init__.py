@@ -7,6 +7,7 @@ from odsmith.check.drive import check_drive, check_vocabulary
 from odsmith.check.errata import check_errata
 from odsmith.check.identifiers import check_identifiers
 from odsmith.check.pdos import check_pdos
+from odsmith.check.places import Places
 from odsmith.errors import Diagnostic
 from odsmith.load import Map
 from odsmith.model import Device
@@ -17,8 +18,9 @@ def check(model: Device | Vocabulary, spec: Map) -> list[Diagnostic]:
     """Every finding about a model, errors and warnings; `spec` is the merged tree that it was resolved from."""
     findings = list(check_vocabulary(model))
     if isinstance(model, Device):
-        findings += check_dictionary(model)
-        findings += check_pdos(model)
+        places = Places(spec)
+        findings += check_dictionary(model, places)
+        findings += check_pdos(model, places)
         findings += check_drive(model)
         findings += check_identifiers(model)
         findings += check_errata(model, spec)

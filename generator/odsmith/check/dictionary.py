@@ -3,25 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 from odsmith.canopen_types import Access
+from odsmith.check.places import Places
 from odsmith.errors import Diagnostic
-from odsmith.model import Device, Entry, Object
+from odsmith.model import Device, Entry, ExpandedObject, Object
 from odsmith.rules import diagnose
+from odsmith.vocabulary import Role
 
 MANDATORY = {0x1000: "device type", 0x1001: "error register", 0x1018: "identity object"}
 """Objects that every CANopen device has (CiA 301, clause 7.5.1)."""
 
 
-def check_dictionary(device: Device) -> Iterator[Diagnostic]:
+def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
     yield from _mandatory(device)
     yield from _indices(device)
     for obj in device.objects:
         yield from _area(device, obj)
         for entry in obj.entries:
-            yield from _entry(obj, entry)
-            yield from _role(device, obj, entry)
-    yield from _roles_used_twice(device)
+            yield from _EntryCheck(obj, entry, places).run(device)
+    yield from _roles_used_twice(device, places)
 
 
 def label(obj: Object, entry: Entry) -> str:
@@ -44,9 +46,16 @@ def _mandatory(device: Device) -> Iterator[Diagnostic]:
 
 
 def _indices(device: Device) -> Iterator[Diagnostic]:
-    taken: dict[int, tuple[Object, int | None]] = {}
+    taken: dict[int, ExpandedObject] = {}
+    reported: set[tuple[str, str]] = set()  # axes repeat everything: the first clash of two objects tells it all
     for item in device.expanded:
-        if item.index > 0xFFFF:
+        other = taken.setdefault(item.index, item)
+        past_the_end = item.index > 0xFFFF
+        pair = (item.object.name, "" if past_the_end else other.object.name)
+        if (other is item and not past_the_end) or pair in reported:
+            continue
+        reported.add(pair)
+        if past_the_end:
             yield diagnose(
                 "E402",
                 item.object.place,
@@ -54,18 +63,13 @@ def _indices(device: Device) -> Iterator[Diagnostic]:
                 "fewer axes, or a smaller stride",
             )
             continue
-        other = taken.setdefault(item.index, (item.object, item.axis))
-        if other == (item.object, item.axis):
-            continue
         yield diagnose(
             "E403",
             item.object.place,
-            f"{item.index:04X}h is taken twice: by `{other[0].name}`{_of_axis(other[1])}"
+            f"{item.index:04X}h is taken twice: by `{other.object.name}`{_of_axis(other.axis)}"
             f" and by `{item.object.name}`{_of_axis(item.axis)}",
-            "the strides of the axes overlap: move one of the objects, or change `axes.areas`"
-            if item.object is not other[0] and (item.axis or other[1])
-            else "give one of them another index",
-            notes=((other[0].place, f"`{other[0].name}` is written here"),),
+            "the strides of the axes overlap: move one of the objects, or change `axes.areas`",
+            notes=((other.object.place, f"`{other.object.name}` is written here"),),
         )
 
 
@@ -83,83 +87,97 @@ def _area(device: Device, obj: Object) -> Iterator[Diagnostic]:
         )
 
 
-def _entry(obj: Object, entry: Entry) -> Iterator[Diagnostic]:
-    name, data_type, place = label(obj, entry), entry.type, entry.place
-    if data_type.integer:
-        for value in entry.values:
-            if not data_type.low <= value.value <= data_type.high:
-                yield diagnose("E405", value.place, f"the value {value.value} of {name} is outside {data_type}")
-        for bit in entry.bits:
-            if bit.high >= data_type.bits:
-                yield diagnose("E406", bit.place, f"bit {bit.label} of {name} is outside {data_type}")
-        if entry.allowed and not (data_type.low <= entry.allowed.low and entry.allowed.high <= data_type.high):
-            yield diagnose(
-                "E407",
-                place,
-                f"the range {entry.allowed} of {name} is outside {data_type}",
-                f"{data_type} holds {data_type.low}..{data_type.high}",
-            )
-        if entry.default and not entry.default.node_id:
-            number = entry.default.number
+class _EntryCheck:
+    """The checks of one entry, each a generator of findings at the key that they are about."""
+
+    def __init__(self, obj: Object, entry: Entry, places: Places) -> None:
+        self.obj = obj
+        self.entry = entry
+        self.places = places
+        self.name = label(obj, entry)
+
+    def finding(self, rule: str, key: str, message: str, hint: str = "") -> Diagnostic:
+        return diagnose(rule, self.places.of(self.obj, self.entry, key), message, hint)
+
+    def run(self, device: Device) -> Iterator[Diagnostic]:
+        yield from self.numbers() if self.entry.type.integer else self.no_numbers()
+        yield from self.bits()
+        yield from self.access()
+        role = device.roles.get(self.entry.role)
+        if role:
+            yield from self.role(role, bool(device.axes))
+
+    def numbers(self) -> Iterator[Diagnostic]:
+        name, data_type, allowed = self.name, self.entry.type, self.entry.allowed
+        holds = f"{data_type} holds {data_type.low}..{data_type.high}"
+        if allowed and not data_type.low <= allowed.low <= allowed.high <= data_type.high:
+            yield self.finding("E407", "range", f"the range {allowed} of {name} is outside {data_type}", holds)
+        default = self.entry.default
+        if default and not default.node_id:
+            number = default.number
             if not data_type.low <= number <= data_type.high:
-                yield diagnose(
-                    "E408",
-                    place,
-                    f"the default {number} of {name} is outside {data_type}",
-                    f"{data_type} holds {data_type.low}..{data_type.high}",
-                )
-            elif entry.allowed and number not in entry.allowed:
-                yield diagnose(
-                    "E409", place, f"the default {number} of {name} is not among the allowed values {entry.allowed}"
-                )
-        for value in entry.values:
-            if entry.allowed and value.value not in entry.allowed:
-                yield diagnose(
-                    "E410", value.place, f"the value {value.value} of {name} is not in its range {entry.allowed}"
-                )
-    elif entry.allowed or entry.bits:
-        yield diagnose("E411", place, f"{name} is a {data_type}: it has neither a range nor bits")
-    for first, second in zip(entry.bits, entry.bits[1:], strict=False):
-        if second.low <= first.high:
-            yield diagnose(
-                "E412",
-                second.place,
-                f"bit {second.label} of {name} is described twice",
-                notes=((first.place, f"`{first.name}` takes it too"),),
-            )
-    if data_type.string and not entry.length:
-        yield diagnose("E413", place, f"{name} is a {data_type} without a length", "add `length:` in octets")
-    if entry.access.writable and not entry.effect:
-        yield diagnose("E414", place, f"{name} can be written but says not what that does", "add `effect:`")
-    if entry.access is Access.CONST and entry.role:
-        yield diagnose("E415", place, f"{name} is constant and yet has a role", "make it `ro`, or drop the role")
-    if entry.hidden_default and entry.default is None:
-        yield diagnose("E416", place, f"{name} hides a default that it does not have", "add `default:`")
-    if not entry.access.readable and entry.mapping.transmittable:
-        yield diagnose("E417", place, f"{name} cannot be read, so no TPDO can carry it", "make it `mapping: rx`")
-    if not entry.access.writable and entry.mapping.receivable:
-        yield diagnose("E417", place, f"{name} cannot be written, so no RPDO can carry it", "make it `mapping: tx`")
+                yield self.finding("E408", "default", f"the default {number} of {name} is outside {data_type}", holds)
+            elif allowed and number not in allowed:
+                message = f"the default {number} of {name} is not among the allowed values {allowed}"
+                yield self.finding("E409", "default", message)
+        for value in self.entry.values:
+            if not data_type.low <= value.value <= data_type.high:
+                yield diagnose("E405", value.place, f"the value {value.value} of {name} is outside {data_type}", holds)
+            elif allowed and value.value not in allowed:
+                yield diagnose("E410", value.place, f"the value {value.value} of {name} is not in its range {allowed}")
+
+    def no_numbers(self) -> Iterator[Diagnostic]:
+        entry = self.entry
+        if entry.allowed or entry.bits:
+            yield self.finding("E411", "type", f"{self.name} is a {entry.type}: it has neither a range nor bits")
+        if entry.type.string and not entry.length:
+            message = f"{self.name} is a {entry.type} without a length"
+            yield self.finding("E413", "type", message, "add `length:` in octets")
+
+    def bits(self) -> Iterator[Diagnostic]:
+        bits = self.entry.bits
+        for bit in bits:
+            if self.entry.type.integer and bit.high >= self.entry.type.bits:
+                message = f"bit {bit.label} of {self.name} is outside {self.entry.type}"
+                yield diagnose("E406", bit.place, message)
+        for first, second in pairwise(bits):
+            if second.low <= first.high:
+                message = f"bit {second.label} of {self.name} is described twice"
+                yield diagnose("E412", second.place, message, notes=((first.place, f"`{first.name}` takes it too"),))
+
+    def access(self) -> Iterator[Diagnostic]:
+        entry, name = self.entry, self.name
+        if entry.access.writable and not entry.effect:
+            yield diagnose("E414", entry.place, f"{name} can be written but says not what that does", "add `effect:`")
+        if entry.access is Access.CONST and entry.role:
+            message = f"{name} is constant and yet has a role"
+            yield self.finding("E415", "role", message, "make it `access: ro`, or drop the role")
+        if entry.hidden_default and entry.default is None:
+            message = f"{name} hides a default that it does not have"
+            yield self.finding("E416", "hidden_default", message, "add `default:`")
+        if entry.mapping.transmittable and not entry.access.readable:
+            message = f"{name} cannot be read, so no TPDO can carry it"
+            yield self.finding("E417", "mapping", message, "make it `mapping: rx`")
+        if entry.mapping.receivable and not entry.access.writable:
+            message = f"{name} cannot be written, so no RPDO can carry it"
+            yield self.finding("E417", "mapping", message, "make it `mapping: tx`")
+
+    def role(self, role: Role, has_axes: bool) -> Iterator[Diagnostic]:
+        entry, name = self.entry, self.name
+        scope = "pdo" if self.obj.pdo else "axis" if self.obj.per_axis else "device"
+        if role.scope != scope and has_axes:
+            yield self.finding("E418", "role", f"the role `{role.name}` is one of each {role.scope}, {name} is not")
+        if role.type is not entry.type:
+            yield self.finding("E419", "role", f"the role `{role.name}` is {role.type}, {name} is {entry.type}")
+        if role.type.string and entry.length > role.length:
+            message = f"the role `{role.name}` holds {role.length} octets, {name} {entry.length}"
+            yield self.finding("E419", "role", message)
+        if role.count > 1 and entry.repeat >= role.count:
+            message = f"the role `{role.name}` has {role.count} elements, {name} would be one more"
+            yield self.finding("E420", "role", message)
 
 
-def _role(device: Device, obj: Object, entry: Entry) -> Iterator[Diagnostic]:
-    role = device.roles.get(entry.role)
-    if role is None:
-        return
-    name = label(obj, entry)
-    scope = "pdo" if obj.pdo else "axis" if obj.per_axis else "device"
-    if role.scope != scope and device.axes:
-        yield diagnose("E418", entry.place, f"the role `{role.name}` is one of each {role.scope}, {name} is not")
-    if role.type is not entry.type:
-        yield diagnose("E419", entry.place, f"the role `{role.name}` is {role.type}, {name} is {entry.type}")
-    if role.type.string and entry.length > role.length:
-        yield diagnose("E419", entry.place, f"the role `{role.name}` holds {role.length} octets, {name} {entry.length}")
-    if role.count > 1 and entry.repeat >= role.count:
-        yield diagnose(
-            "E420", entry.place, f"the role `{role.name}` has {role.count} elements, {name} would be one more"
-        )
-
-
-def _roles_used_twice(device: Device) -> Iterator[Diagnostic]:
+def _roles_used_twice(device: Device, places: Places) -> Iterator[Diagnostic]:
     users: dict[tuple[str, str, int], tuple[Object, Entry]] = {}
     for obj in device.objects:
         for entry in obj.entries:
@@ -171,7 +189,7 @@ def _roles_used_twice(device: Device) -> Iterator[Diagnostic]:
             if other[1] is not entry:
                 yield diagnose(
                     "E421",
-                    entry.place,
+                    places.of(obj, entry, "role"),
                     f"the role `{role.name}` is taken by {label(*other)} and by {label(obj, entry)}",
                     "one value has one place in the dictionary",
                     notes=((other[1].place, "taken here first"),),

@@ -98,21 +98,25 @@ def _members(obj: Object, entry: Entry) -> Iterator[Diagnostic]:
 def _parameter_names(device: Device) -> Iterator[Diagnostic]:
     """Programs look objects up by their EDS name, so it must lead to one object."""
     taken: dict[str, Object] = {}
+    reported: set[tuple[str, str]] = set()  # once for all axes
     for item in device.expanded:
-        other = taken.setdefault(item.parameter_name, item.object)
-        if other is not item.object:
+        name, place = item.parameter_name, item.object.place
+        other = taken.setdefault(name, item.object)
+        if other is not item.object and (pair := (other.name, item.object.name)) not in reported:
+            reported.add(pair)
             yield diagnose(
                 "E454",
-                item.object.place,
-                f"`{other.name}` and `{item.object.name}` are both called `{item.parameter_name}` in the EDS",
+                place,
+                f"`{other.name}` and `{item.object.name}` are both called `{name}` in the EDS",
                 "give one of them another `parameter_name`",
                 notes=((other.place, f"`{other.name}` is here"),),
             )
         longest = PDO_NAME_LENGTH if item.object.pdo else EDS_NAME_LENGTH
-        length = len(item.parameter_name)
-        if length > longest:
+        if len(name) > longest and (pair := (item.object.name, "")) not in reported:
+            reported.add(pair)
             yield diagnose(
                 "E455",
-                item.object.place,
-                f"the EDS name `{item.parameter_name}` has {length} characters, {longest} are allowed",
+                place,
+                f"the EDS name `{name}` has {len(name)} characters, {longest} are allowed",
+                "shorten its `parameter_name`",
             )

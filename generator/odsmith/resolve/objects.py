@@ -74,6 +74,13 @@ def _object(node: Node, words: Words, problems: Problems) -> Object:
     object_type = ObjectType(node.get("object_type", "VAR"))
     stride = next((area.stride for area in words.areas if area.first <= index <= area.last), 0)
     parameter_name = node.get("parameter_name", node["title"])
+    if object_type is ObjectType.VAR and "subs" in node:
+        problems.report(
+            "E310",
+            node.key_place("subs"),
+            f"`{node['name']}` is a VAR and has sub-indices",
+            "make it `object_type: ARRAY` or `RECORD`, or drop `subs`",
+        )
     if object_type is ObjectType.VAR:
         naming = {"name": node["name"], "title": node["title"], "parameter_name": parameter_name}
         entries: tuple[Entry, ...] = (_EntryReader(node, node, words, problems).read(0, naming),)
@@ -185,13 +192,13 @@ class _EntryReader:
         return None, self.node
 
     def read(self, sub: int, naming: dict[str, str], ordinal: int = 0) -> Entry:
-        data_type = self.data_type()
+        data_type = DataType(self.stated("type", "type: UNSIGNED32", "UNSIGNED32"))
         values = self.values()
         default = self.default(data_type)
         length = self.get("length")[0] or 0
         if data_type.string and default and default.text is not None:
             length = max(length, len(default.text.encode()))
-        access = Access(self.get("access")[0] or "ro")
+        access = Access(self.stated("access", "access: ro", "ro"))
         return Entry(
             sub=sub,
             type=data_type,
@@ -219,17 +226,17 @@ class _EntryReader:
             **naming,
         )
 
-    def data_type(self) -> DataType:
-        value, _ = self.get("type")
+    def stated(self, key: str, example: str, otherwise: str) -> str:
+        """A field that the entry or its object must have."""
+        value, _ = self.get(key)
         if value is None:
             self.problems.report(
                 "E305",
                 self.node.where,
-                f"`{self.node.get('name', '')}` has no data type",
-                "add `type: UNSIGNED32`, here or at its object",
+                f"`{self.node.get('name', '')}` has no `{key}`",
+                f"add `{example}`, here or at its object",
             )
-            return DataType.UNSIGNED32
-        return DataType(value)
+        return value or otherwise
 
     def values(self) -> tuple[NamedValue, ...]:
         value = self.node.get("values")

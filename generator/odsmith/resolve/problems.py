@@ -61,7 +61,7 @@ class Problems:
         elif names and len(names) <= 12:
             hint = f"known: {', '.join(names)}"
         else:
-            hint = f"define it in a file of this spec, or include the file that defines it ({len(names)} are known)"
+            hint = "define it, or include the file that does"
         self.report("E302", place, f"there is no {what} `{name}`", hint)
 
 

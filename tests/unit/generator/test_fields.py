@@ -27,6 +27,13 @@ def test_range(text: str | int, intervals: tuple[tuple[int, int], ...]) -> None:
     assert parse_range(text).intervals == intervals
 
 
+@pytest.mark.parametrize(
+    ("text", "listed"), [("0..63", False), ("0, 2..15", True), ("0, 1", True), ("5", True), (5, True)]
+)
+def test_a_list_is_not_a_range_even_where_its_members_touch(text: str | int, listed: bool) -> None:
+    assert parse_range(text).listed == listed
+
+
 @pytest.mark.parametrize("text", ["", "a..b", "1...2", "5..1", "1,,2", "0..", "1.5..2"])
 def test_range_that_is_none(text: str) -> None:
     with pytest.raises(FieldError) as caught:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+
 from odsmith.backends.eds import EdsBackend
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection, Source
 from odsmith.model import Allowed, Default, Device, EdsInfo, Entry, Identity, NamedValue, Object, Pdo, PdoMapEntry
@@ -114,6 +115,10 @@ def sections(model: Device) -> dict[str, dict[str, str]]:
             assert key not in keys
             keys[key] = value
     return found
+
+
+def within(*intervals: tuple[int, int]) -> Allowed:
+    return Allowed(intervals, listed=len(intervals) > 1)
 
 
 def section_of(obj: Object, section: str = "2000") -> dict[str, str]:
@@ -256,9 +261,7 @@ def test_an_empty_list_says_so() -> None:
 
 
 def test_a_variable_in_the_order_of_cia_306() -> None:
-    obj = variable(
-        type=DataType.UNSIGNED32, default=Default(0x80), allowed=Allowed(((1, 0x90),)), mapping=PdoDirection.RX
-    )
+    obj = variable(type=DataType.UNSIGNED32, default=Default(0x80), allowed=within((1, 0x90)), mapping=PdoDirection.RX)
     assert list(section_of(obj).items()) == [
         ("ParameterName", "Thing"),
         ("ObjectType", "0x7"),
@@ -302,7 +305,7 @@ def test_each_axis_has_its_objects_and_names_count_from_one() -> None:
     ],
 )
 def test_numbers_are_signed_decimal_or_unsigned_hexadecimal(data_type: DataType, number: int, printed: str) -> None:
-    found = section_of(variable(type=data_type, default=Default(number), allowed=Allowed(((number, number),))))
+    found = section_of(variable(type=data_type, default=Default(number), allowed=within((number, number))))
     assert [found["DefaultValue"], found["LowLimit"], found["HighLimit"]] == [printed] * 3
     assert found["DataType"] == f"0x{data_type.code:04X}"
 
@@ -328,7 +331,7 @@ def test_no_default_where_none_is_known_hidden_or_spelt_alike_by_all(fields: dic
 
 
 def test_the_limits_of_a_set_are_its_smallest_and_largest_member() -> None:
-    found = section_of(variable(type=DataType.INTEGER16, allowed=Allowed(((-8, -8), (0, 0), (2, 15)))))
+    found = section_of(variable(type=DataType.INTEGER16, allowed=within((-8, -8), (0, 0), (2, 15))))
     assert (found["LowLimit"], found["HighLimit"]) == ("-8", "15")
 
 
@@ -336,7 +339,7 @@ def test_the_limits_of_a_set_are_its_smallest_and_largest_member() -> None:
     "fields",
     [
         {"values": (NamedValue(1, "one", ""),)},
-        {"allowed": Allowed(((5, 5),)), "signatures": (Signature("save", 5, ""),)},
+        {"allowed": within((5, 5)), "signatures": (Signature("save", 5, ""),)},
     ],
 )
 def test_no_limits_without_a_range_or_for_signatures(fields: dict[str, Any]) -> None:
