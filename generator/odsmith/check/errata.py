@@ -15,9 +15,10 @@ _IDENTITIES = ("name", "number", "id")
 
 def check_errata(device: Device, spec: Map) -> Iterator[Diagnostic]:
     """A path that leads nowhere is only a warning: a device may drop what the erratum of its family decides."""
+    tree = PathTree(spec)
     for erratum in device.errata:
         for path in erratum.paths:
-            if not leads_somewhere(spec, path):
+            if not tree.leads_somewhere(path):
                 yield diagnose(
                     "W502",
                     erratum.place,
@@ -26,22 +27,31 @@ def check_errata(device: Device, spec: Map) -> Iterator[Diagnostic]:
                 )
 
 
-def leads_somewhere(spec: Map, path: str) -> bool:
-    """True if a dotted path such as `objects.controlword.access` names something in a merged spec."""
-    node: Any = spec
-    for part in path.split("."):
-        if isinstance(node, dict) and part in node:
-            node = node[part]
-        elif isinstance(node, list):
-            node = next((item for item in node if part in _names(item)), None)
-        elif isinstance(node, dict) and "subs" in node and part in node["subs"]:
-            node = node["subs"][part]
-        else:
-            return False
-        if node is None:
-            return False
-    return True
+class PathTree:
+    """A merged spec, asked for dotted paths such as `objects.controlword.access` or `pds.transitions.16`."""
 
+    def __init__(self, spec: Map) -> None:
+        self._spec: Any = spec
+        self._lists: dict[int, dict[str, Any]] = {}  # the elements of a list by identity; lists live as long as `spec`
 
-def _names(item: Any) -> set[str]:
-    return {str(item[key]) for key in _IDENTITIES if key in item} if isinstance(item, dict) else set()
+    def leads_somewhere(self, path: str) -> bool:
+        """True if the path names something."""
+        node = self._spec
+        for part in path.split("."):
+            if isinstance(node, list):
+                node = self._elements(node).get(part)
+            elif isinstance(node, dict):
+                node = node.get(part)
+            else:
+                return False
+            if node is None:
+                return False
+        return True
+
+    def _elements(self, items: list[Any]) -> dict[str, Any]:
+        found = self._lists.get(id(items))
+        if found is None:
+            found = self._lists[id(items)] = {
+                str(item[key]): item for item in items if isinstance(item, dict) for key in _IDENTITIES if key in item
+            }
+        return found
