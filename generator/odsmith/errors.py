@@ -78,6 +78,14 @@ class SpecError(Exception):
         return "\n".join(format_diagnostic(item, lines) for item in self.diagnostics)
 
 
+class UsageError(Exception):
+    """A request that cannot be carried out; `hint` is the remedy."""
+
+    def __init__(self, message: str, hint: str = "") -> None:
+        super().__init__(message)
+        self.hint = hint
+
+
 class SourceLines:
     """The lines of source files, split when they are first asked for: `lines(path)`, empty for an unknown path."""
 
@@ -87,7 +95,7 @@ class SourceLines:
 
     def __call__(self, path: str) -> Sequence[str]:
         if path not in self._lines:
-            self._lines[path] = split_lines(self._texts.get(path, ""))
+            self._lines[path] = split_lines(self._texts[path]) if path in self._texts else ()
         return self._lines[path]
 
 
@@ -170,11 +178,13 @@ def _place_json(place: Place) -> dict[str, str | int]:
 
 
 def _excerpt(place: Place, length: int, source_lines: Callable[[str], Sequence[str]]) -> list[str]:
-    """The source line of a place and a caret line; nothing if the line is unknown."""
+    """The source line of a place and a caret line; nothing if the line is unknown or blank."""
     lines = source_lines(place.path) if place.line else ()
     if not 0 < place.line <= len(lines):
         return []
     line = lines[place.line - 1]
+    if not line.strip():
+        return []
     start = min(max(place.column, 1) - 1, len(line))
     if not length:
         token = _TOKEN.match(line, start)

@@ -166,7 +166,7 @@ class _File:
 
 def _in_library(root: Traversable, name: str) -> _File | None:
     inside = posixpath.normpath(name)
-    if inside.startswith(".."):
+    if inside == ".." or inside.startswith("../"):
         return None
     if isinstance(root, Path):
         return _File(root / inside)
@@ -414,7 +414,7 @@ class _Builder:
             if kind is yaml.ScalarEvent:
                 value = event.value
                 plain = event.implicit[0]
-                if event.anchor is not None or not plain:
+                if event.anchor is not None or event.tag is not None:
                     self._reject_anchor_and_tag(event, line, column)
                 if key is None and isinstance(node, Map):
                     key, key_line, key_column = value, line, column
@@ -430,7 +430,7 @@ class _Builder:
                 if key is None and isinstance(node, Map):
                     hint = "quote text that begins with { or ["
                     self._stop("E112", line, column, "a mapping or list cannot be a key", hint)
-                if len(stack) > MAX_DEPTH:
+                if len(stack) >= MAX_DEPTH:
                     self._stop("E108", line, column, f"mappings and lists are nested deeper than {MAX_DEPTH}")
                 value = Map(path, line, column) if kind is yaml.MappingStartEvent else Seq(path, line, column)
                 stack.append(node)
@@ -468,7 +468,7 @@ class _Builder:
             self._keys.add(key)
         else:
             kind = "an integer" if type(value) is int else "no text"
-            self._report("E112", line, column, f"the key {quoted(key)} is {kind}", f'quote it: "{key}":')
+            self._report("E112", line, column, f"the key {quoted(key)} is {kind}", _quote_key(key))
 
     def _plain(self, text: str, line: int, column: int) -> Scalar:
         """What an unquoted scalar means; complains about what different YAML readers read differently."""
@@ -482,16 +482,12 @@ class _Builder:
                 return text
             for pattern, rule_id, message, hint in _DOUBTFUL_NUMBERS:
                 if pattern.match(text):
-                    self._report(
-                        rule_id, line, column, f"{quoted(text)} {message}", f'{hint}quote it as text: "{text}"'
-                    )
+                    self._report(rule_id, line, column, f"{quoted(text)} {message}", hint + _quote_it(text))
                     return text
         elif text.lower() in _DOUBTFUL_WORDS:
             truth = _DOUBTFUL_WORDS[text.lower()]
             message = f"{quoted(text)} is {truth} to some YAML readers and text to others"
-            self._report(
-                "E110", line, column, message, f'write {truth} if that is meant, or quote it as text: "{text}"'
-            )
+            self._report("E110", line, column, message, f"write {truth} if that is meant, or {_quote_it(text)}")
             return text
         self._scalars[text] = text
         return text
@@ -542,8 +538,13 @@ _DOUBTFUL_NUMBERS = tuple(
         (r"[-+]?0[bB][0-9_]+", "E110", "is a binary number to some YAML readers", "write it decimal or as 0x..."),
         (r"[-+]?0[xX][0-9A-Za-z_]*", "E111", "is not a hexadecimal number", "write 0x and hexadecimal digits"),
         (r"\+[0-9][0-9_]*", "E110", _OTHERWISE, "drop the plus sign"),
-        (r"[-+]?[0-9][0-9_]*_[0-9_]*", "E110", _OTHERWISE, "drop the underscores"),
-        (r"[-+]?(?:[0-9][0-9_]*\.?|\.[0-9])[0-9_]*[eE][-+]?[0-9]+", "E110", "is a fraction to some YAML readers", ""),
+        (r"[-+]?[0-9][0-9_]*", "E110", _OTHERWISE, "drop the underscores"),
+        (
+            r"[-+]?(?:[0-9][0-9_]*(?:\.[0-9_]*)?|\.[0-9_]+)[eE][-+]?[0-9]+",
+            "E110",
+            "is a fraction to some YAML readers",
+            "",
+        ),
         (r"[-+]?\.(?:inf|Inf|INF|nan|NaN|NAN)", "E110", "is a fraction to some YAML readers", ""),
     )
 )
@@ -553,6 +554,14 @@ _DOUBTFUL_WORDS = {
     **dict.fromkeys(("off", "no", "n", "false"), "false"),
     "null": "null",
 }
+
+
+def _quote_it(text: str) -> str:
+    return f'quote it as text: "{text}"' if len(text) <= 40 else "quote it as text"
+
+
+def _quote_key(key: str) -> str:
+    return f'quote it: "{key}":' if len(key) <= 40 else "quote it"
 
 
 # ---- YAML syntax errors ---------------------------------------------------------------------------------------------
@@ -613,7 +622,7 @@ def _syntax_error(error: yaml.MarkedYAMLError, text: str, path: str) -> Diagnost
         return diagnose("E106", Place(path, 1, 1), message, hint)
     place = Place(path, begin.line + 1, begin.column + 1)
     if problem == "found character that cannot start any token":
-        character = text.split("\n")[begin.line][begin.column : begin.column + 1]
+        character = split_lines(text)[begin.line][begin.column : begin.column + 1]
         message, hint = f"text cannot begin with {quoted(character)}", "put the text into quotation marks"
     if at_end and problem.startswith("did not find expected ','"):
         message = f"the {'list' if ']' in problem else 'mapping'} that begins here is not closed"

@@ -125,6 +125,8 @@ class _Merger:
     def _join(tree: Map, source: Map, key: str) -> None:
         items = source[key]
         assert isinstance(items, Seq)
+        if key in tree and not isinstance(tree[key], Seq):
+            return  # a change broke it, which the schema will tell
         joined = items.empty_copy()
         for part in (tree.get(key), items):
             if isinstance(part, Seq):
@@ -140,17 +142,16 @@ class _Merger:
     def _check_indices(self) -> None:
         """An object written twice under two names would otherwise only be found when its index is resolved."""
         objects = self._tree.get("objects")
-        first: dict[Any, Map] = {}
-        for element in objects.values() if isinstance(objects, Map) else ():
-            assert isinstance(element, Map)
-            index = element.get("index")
-            known = first.setdefault(index, element)
-            if known is not element:
-                shown = f"0x{index:04X}" if isinstance(index, int) else str(index)
-                message = (
-                    f"index {quoted(shown)} is defined twice, as {quoted(known['name'])} and {quoted(element['name'])}"
-                )
-                notes = ((known.place("index"), "first defined here"),)
+        first: dict[int | str, tuple[str, Map]] = {}
+        for name, element in objects.items() if isinstance(objects, Map) else ():
+            index = element.get("index") if isinstance(element, Map) else None
+            if not isinstance(element, Map) or not isinstance(index, (int, str)):
+                continue
+            known, earlier = first.setdefault(index, (name, element))
+            if known != name:
+                shown = f"0x{index:04X}" if isinstance(index, int) else index
+                message = f"index {quoted(shown)} is defined twice, as {quoted(known)} and {quoted(name)}"
+                notes = ((earlier.place("index"), "first defined here"),)
                 self.diagnostics.append(diagnose("E210", element.place("index"), message, notes=notes))
 
     # ---- changes ------------------------------------------------------------------------------------------------
@@ -171,6 +172,9 @@ class _Merger:
                 identity = inner if isinstance(inner, str) and inner in _BY_KEY else ""
                 self._refuse_new_identity(value, identity, address)
                 self._change_sections(below, value, inner, document, address)
+            else:
+                message = f"{quoted('.'.join(address))} can only be changed by a mapping"
+                self.diagnostics.append(diagnose("E203", changes.place(key), message))
 
     def _change(self, tree: Map, changes: Map, key: str, address: list[str]) -> None:
         """Puts the changed value in place of the old one."""

@@ -234,6 +234,8 @@ rule("E452", "error", "reserved word", "The name is a word of a target language.
 rule("E453", "error", "member given twice", "Two values or bits of one entry have the same name.")
 rule("E454", "error", "EDS name given twice", "Programs look objects up by their ParameterName.")
 rule("E455", "error", "EDS name too long", "Importers cut or refuse longer names.")
+rule("E471", "error", "beyond the C tables", "The packed tables of the C runtime have fixed widths and strides.")
+rule("E472", "error", "constants collide in C", "C has one name space for all constants of a header.")
 
 # ---- W5xx: warnings -------------------------------------------------------------------------------------------------
 rule(

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 MAX_ERRORS = 100
 """Errors reported per document."""
 
-Path_ = Sequence[str | int]
+Steps = Sequence[str | int]
 """Where a value stands in a document: keys and list positions from the top."""
 
 
@@ -64,8 +64,8 @@ class Schema:
     @staticmethod
     def _errors(document: Map, validator: Validator, raw: dict[str, Any]) -> list[Diagnostic]:
         explain = _Explainer(document, raw)
-        found = [item for error in islice(validator.iter_errors(document), MAX_ERRORS) for item in explain(error)]
-        return [*found, *explain.missing()]
+        found = (item for error in validator.iter_errors(document) for item in explain(error))
+        return [*islice(found, MAX_ERRORS), *explain.missing()]
 
 
 @cache
@@ -120,7 +120,7 @@ class _Explainer:
     def __call__(self, error: ValidationError) -> Iterator[Diagnostic]:
         path = self._path(error.instance_path)
         keyword = error.kind.name
-        told = getattr(self, f"_{keyword.lower()}", None)
+        told = getattr(self, f"_on_{keyword.lower()}", None)
         if told is None:
             yield diagnose("E208", self._place(path), f"{self._called(path)} does not fit: {quoted(error.message)}")
         elif keyword != "propertyNames" and self._value(path) is None:
@@ -130,7 +130,7 @@ class _Explainer:
 
     # ---- where and what -----------------------------------------------------------------------------------------
 
-    def _path(self, steps: Path_) -> Path_:
+    def _path(self, steps: Steps) -> Steps:
         """A path of the validator with keys as the document has them: it takes the key "1" for the number 1."""
         path: list[str | int] = []
         value: Any = self._document
@@ -143,22 +143,22 @@ class _Explainer:
             value = value[step]
         return path
 
-    def _value(self, path: Path_) -> Any:
+    def _value(self, path: Steps) -> Any:
         value: Any = self._document
         for step in path:
             value = value[step]
         return value
 
-    def _place(self, path: Path_) -> Place:
+    def _place(self, path: Steps) -> Place:
         """The place of a value."""
         return self._value(path[:-1]).place(path[-1]) if path else self._document.where
 
-    def _head(self, path: Path_) -> Place:
+    def _head(self, path: Steps) -> Place:
         """The place that names an element: its key, or its beginning in a list."""
         parent = self._value(path[:-1]) if path else None
         return parent.key_place(str(path[-1])) if isinstance(parent, Map) else self._place(path)
 
-    def _label(self, path: Path_) -> str:
+    def _label(self, path: Steps) -> str:
         """An element's address as errata write it, `objects.controlword`; list elements by name where they have one."""
         words: list[str] = []
         value: Any = self._document
@@ -169,7 +169,7 @@ class _Explainer:
         return quoted(".".join(words)) if words else "the file"
 
     @staticmethod
-    def _called(path: Path_) -> str:
+    def _called(path: Steps) -> str:
         """What a sentence calls a value: its key."""
         key = next((step for step in reversed(path) if isinstance(step, str)), None)
         if key is None:
@@ -185,11 +185,11 @@ class _Explainer:
 
     # ---- a sentence for each keyword ----------------------------------------------------------------------------
 
-    def _empty(self, path: Path_) -> Diagnostic:
+    def _empty(self, path: Steps) -> Diagnostic:
         hint = "write a value after the `:`, or delete the key; text that contains `, ` in braces needs quotes"
         return diagnose("E203", self._head(path), f"{self._called(path)} has no value", hint)
 
-    def _additionalproperties(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_additionalproperties(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         known = list(self._schema(error).get("properties", ()))
         owner: Map = self._value(path)
         for key in error.kind.as_dict()["unexpected"]:
@@ -200,7 +200,7 @@ class _Explainer:
                 hint = f"known here: {listed(known, 'and')}"
             yield diagnose("E201", owner.key_place(key), f"unknown key {quoted(key)} in {self._label(path)}", hint)
 
-    def _required(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_required(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         key = error.kind.as_dict()["property"]
         if error.schema_path[-1] == "dependentRequired":
             owner: Map = self._value(path)
@@ -213,10 +213,10 @@ class _Explainer:
             place = owner.key_place(key) if key in owner.marks else self._head(path)
             self._missing.setdefault((place, self._label(path)), []).append(key)
 
-    def _type(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_type(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._mismatch(path, error.kind.as_dict()["types"])
 
-    def _mismatch(self, path: Path_, types: Iterable[str], words: Iterable[str] = ()) -> Diagnostic:
+    def _mismatch(self, path: Steps, types: Iterable[str], words: Iterable[str] = ()) -> Diagnostic:
         """A value of the wrong kind; `words` are allowed as well."""
         value = self._value(path)
         # Text may look like a number to an editor; here there are no fractions.
@@ -225,13 +225,13 @@ class _Explainer:
         message = f"{self._called(path)} must be {expected}, not {_found(value)}"
         return diagnose("E203", self._place(path), message, _conversion(value, kinds))
 
-    def _enum(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_enum(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._not_among(path, error.kind.as_dict()["options"])
 
-    def _const(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_const(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._not_among(path, [error.kind.as_dict()["expected_value"]])
 
-    def _not_among(self, path: Path_, options: list[Any]) -> Diagnostic:
+    def _not_among(self, path: Steps, options: list[Any]) -> Diagnostic:
         value = self._value(path)
         guess = did_you_mean(value, map(str, options)) if isinstance(value, str) else ""
         hint = guess or f"allowed: {listed(map(str, options), 'and')}"
@@ -241,11 +241,11 @@ class _Explainer:
             )
         return diagnose("E204", self._place(path), f"{self._called(path)} cannot be {quoted(value)}", hint)
 
-    def _pattern(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_pattern(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         message = f"{self._called(path)} is {quoted(self._value(path))}: {self._form(error)}"
         yield diagnose("E205", self._place(path), message, self._example(error))
 
-    def _propertynames(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_propertynames(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         wrong: ValidationError = error.kind.as_dict()["error"]
         key = str(wrong.instance)
         form = self._form(wrong) if wrong.kind.name == "pattern" else "the key is too long"
@@ -257,46 +257,42 @@ class _Explainer:
         return str(self._schema(error).get("patternErrorMessage", "it does not have the form that is asked for"))
 
     def _example(self, error: ValidationError) -> str:
-        examples = self._schema(error).get("examples", ())
-        return (
-            f"for example {listed((str(item) for item in examples if isinstance(item, str)), 'or')}" if examples else ""
-        )
+        examples = [item for item in self._schema(error).get("examples", ()) if isinstance(item, str)]
+        return f"for example {listed(examples, 'or')}" if examples else ""
 
-    def _minimum(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_minimum(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._bounds(error, path, "least")
 
-    def _maximum(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_maximum(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._bounds(error, path, "most")
 
-    def _bounds(self, error: ValidationError, path: Path_, side: str) -> Diagnostic:
+    def _bounds(self, error: ValidationError, path: Steps, side: str) -> Diagnostic:
         limit = error.kind.as_dict()["limit"]
         message = f"{self._called(path)} is {_number(self._value(path))}; it must be at {side} {_number(limit)}"
         return diagnose("E206", self._place(path), message)
 
-    def _minlength(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_minlength(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield diagnose("E207", self._place(path), f"{self._called(path)} is empty")
 
-    def _maxlength(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_maxlength(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._amount(error, path, "characters")
 
-    def _minitems(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_minitems(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._amount(error, path, "items")
 
-    def _maxitems(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_maxitems(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._amount(error, path, "items")
 
-    def _minproperties(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_minproperties(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         yield self._amount(error, path, "keys")
 
-    def _amount(self, error: ValidationError, path: Path_, unit: str) -> Diagnostic:
+    def _amount(self, error: ValidationError, path: Steps, unit: str) -> Diagnostic:
         has, limit = len(self._value(path)), error.kind.as_dict()["limit"]
         wanted = f"at {'least' if has < limit else 'most'} {limit}"
-        message = (
-            f"{self._called(path)} is empty" if not has else f"{self._called(path)} has {has} {unit}, not {wanted}"
-        )
-        return diagnose("E207", self._place(path), message)
+        told = f"has {has} {unit}, not {wanted}" if has else "is empty"
+        return diagnose("E207", self._place(path), f"{self._called(path)} {told}")
 
-    def _uniqueitems(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_uniqueitems(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         items: Seq = self._value(path)
         first: dict[str, int] = {}
         for index, item in enumerate(items):
@@ -308,18 +304,20 @@ class _Explainer:
 
     # ---- alternatives -------------------------------------------------------------------------------------------
 
-    def _oneof(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_oneof(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         """The format uses oneOf only for keys of which exactly one must be there."""
         keys = [branch["required"][0] for branch in self._schema(error)["oneOf"]]
-        owner: Map = self._value(path)
-        present = [key for key in keys if key in owner]
+        owner = self._value(path)
+        if not isinstance(owner, Map):
+            return  # its type is wrong as well, and that says it all
+        present = [key for key in owner if key in keys]
         if not present:
             yield diagnose("E202", self._head(path), f"one of {listed(keys)} is missing in {self._label(path)}")
         else:
             message = f"{listed(present, 'and')} exclude each other in {self._label(path)}"
             yield diagnose("E208", owner.key_place(present[1]), message)
 
-    def _anyof(self, error: ValidationError, path: Path_) -> Iterator[Diagnostic]:
+    def _on_anyof(self, error: ValidationError, path: Steps) -> Iterator[Diagnostic]:
         """Explains the alternative that was probably meant: one whose kind of value fits, the nearer the better."""
         steps = error.instance_path
         branches: list[list[ValidationError]] = error.kind.as_dict()["context"]
@@ -342,12 +340,12 @@ def _identity(element: Any) -> str | None:
     return None
 
 
-def _another_kind(error: ValidationError, path: Path_) -> bool:
+def _another_kind(error: ValidationError, path: Steps) -> bool:
     """Whether the error says that the value at `path` is of another kind altogether."""
     return error.instance_path == path and error.kind.name in ("type", "enum", "const", "anyOf", "not")
 
 
-def _alternatives(branches: Iterable[Iterable[ValidationError]], path: Path_) -> tuple[list[str], list[str]]:
+def _alternatives(branches: Iterable[Iterable[ValidationError]], path: Steps) -> tuple[list[str], list[str]]:
     """The kinds of value and the words that alternatives allow at `path`."""
     types: list[str] = []
     words: list[str] = []

@@ -112,6 +112,8 @@ def test_every_rule_of_the_passes_has_a_broken_spec() -> None:
         "E101": "missing, unreadable: tests above",
         "E102": "too large: a test above",
         "E122": "too many errors: tests/unit/generator/test_load.py",
+        "E471": "values too large for the C tables: tests/unit/generator/backends/test_c.py",
+        "E472": "too many rows for the C tables: tests/unit/generator/backends/test_c.py",
     }
     unshown = {rule for rule in RULES if rule.startswith("E") and f"[{rule}]" not in shown}
     assert unshown == set(elsewhere)

@@ -13,7 +13,7 @@ from odsmith.backends import docs_view
 from odsmith.backends.docs_diagram import Arrow, draw
 from odsmith.backends.docs_links import element_links, hexadecimal, mentions, pages
 from odsmith.backends.docs_objects import EDS_AXES, ObjectWriter
-from odsmith.backends.docs_text import Reader, html, html_link, markdown
+from odsmith.backends.docs_text import Reader, html, html_link, markdown, markdown_code
 from odsmith.model import Device
 from odsmith.render import MARK, Backend, Output
 from odsmith.vocabulary import Vocabulary
@@ -26,6 +26,7 @@ class DocsBackend(Backend):
     name = "docs"
     filters: Mapping[str, Callable[..., Any]] = {
         "md": markdown,
+        "md_code": markdown_code,
         "html": html,
         "target": html_link,
         "mermaid": escape.mermaid,
@@ -41,7 +42,8 @@ class DocsBackend(Backend):
         return [output for output in outputs if output.path.rsplit("/", 1)[-1] in files]
 
     def device_context(self, device: Device) -> Mapping[str, object]:
-        elements = element_links(device)
+        present = pages(device)
+        elements = element_links(device, present)
         read = Reader(mentions(device, elements))
         objects = ObjectWriter(device, elements, read)
         writer = docs_view.DeviceWriter(device, elements, read)
@@ -50,12 +52,12 @@ class DocsBackend(Backend):
             "mark": MARK,
             "device": device,
             "identity": device.identity,
-            "pages": pages(device),
-            "has": {page.file.removesuffix(".md") for page in pages(device)},
+            "pages": present,
+            "has": {page.file.removesuffix(".md") for page in present},
             "axes": range(device.axes),
             "eds_axes": EDS_AXES,
             "areas": list(docs_view.arithmetic(device)),
-            "facts": docs_view.features(device),
+            "facts": list(docs_view.features(device)),
             "read": read,
             "object_pages": {page.file: page for page in objects.pages()},
             "pdo_tables": writer.pdo_tables(),
@@ -70,6 +72,7 @@ class DocsBackend(Backend):
                 [Arrow(str(t.number), t.label, t.starts, t.end) for t in transitions],
             ),
             "state_titles": {state.name: state.title for state in device.pds_states},
+            "powered": {state.name: state.power for state in device.pds_states},
             "emergencies": writer.emergencies(),
             "leds": writer.leds(),
             "groups": list(writer.groups()),

@@ -18,7 +18,7 @@ GAP = 26
 """Distance between two boxes."""
 LANE = 22
 MARGIN = 20
-START_HEIGHT = 16
+START_HEIGHT = 30
 
 
 class Arrow(NamedTuple):
@@ -95,7 +95,7 @@ def draw(states: Sequence[str], arrows: Iterable[Arrow]) -> Drawing:
         boxes.append(Box(name, x, y, BOX_WIDTH, height, x + BOX_WIDTH // 2, y + height // 2))
         y += height + GAP
     height = y - GAP + MARGIN
-    start = Badge(x + BOX_WIDTH // 2, MARGIN + START_HEIGHT // 2) if entries else None
+    start = Badge(x + BOX_WIDTH // 2, MARGIN) if entries else None
     wires = [_entry_wire(arrow, boxes[rows[arrow.end]], start) for arrow in entries if start]
     wires += [_wire(arrow, rows, lanes[arrow.key], ports, boxes) for arrow in inside]
     return Drawing(width, height, tuple(boxes), tuple(wires), start)
@@ -106,23 +106,36 @@ def _downward(arrow: Arrow, rows: dict[str, int]) -> bool:
     return 2 * sum(rows[start] < rows[arrow.end] for start in arrow.starts) >= len(arrow.starts)
 
 
+class _Span(NamedTuple):
+    """The rows that an arrow runs past; `loops` if it leaves a state for the same one."""
+
+    low: int
+    high: int
+    loops: bool
+
+
 def _lanes(arrows: Iterable[Arrow], rows: dict[str, int]) -> dict[str, tuple[bool, int]]:
     """Side and lane of each arrow: the shortest first, each in the innermost lane that is free over its length."""
-    taken: dict[tuple[bool, int], list[tuple[int, int]]] = defaultdict(list)
+    taken: dict[tuple[bool, int], list[_Span]] = defaultdict(list)
     lanes: dict[str, tuple[bool, int]] = {}
-
-    def span(arrow: Arrow) -> tuple[int, int]:
+    spans = {}
+    for arrow in arrows:
         touched = [rows[name] for name in (*arrow.starts, arrow.end)]
-        return min(touched), max(touched)
-
-    for arrow in sorted(arrows, key=lambda a: (span(a)[1] - span(a)[0], span(a))):
-        low, high = span(arrow)
+        spans[arrow] = _Span(min(touched), max(touched), arrow.end in arrow.starts)
+    for arrow, span in sorted(spans.items(), key=lambda item: (item[1].high - item[1].low, item[1])):
         side, lane = _downward(arrow, rows), 0
-        while any(low < other_high and other_low < high for other_low, other_high in taken[side, lane]):
+        while any(_overlap(span, other) for other in taken[side, lane]):
             lane += 1
-        taken[side, lane].append((low, high))
+        taken[side, lane].append(span)
         lanes[arrow.key] = (side, lane)
     return lanes
+
+
+def _overlap(one: _Span, other: _Span) -> bool:
+    """Two lines may meet at a box, where one ends and the other begins; a loop needs its box for itself."""
+    if one.loops or other.loops:
+        return one.low <= other.high and other.low <= one.high
+    return one.low < other.high and other.low < one.high
 
 
 def _ports(

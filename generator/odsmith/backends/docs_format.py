@@ -8,11 +8,14 @@ must be there, and what it means.
 from __future__ import annotations
 
 import json
+import re
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from odsmith.backends.docs_text import Piece, Reader, Rich, code, joined, plain
+from odsmith.errors import SpecError
+from odsmith.load import parse
 from odsmith.render import data_folder
 
 Node = Mapping[str, Any]
@@ -30,12 +33,13 @@ class Key(NamedTuple):
 
 
 class Definition(NamedTuple):
-    """A section of a file, or an element that sections are made of. `examples` are lines of YAML."""
+    """A section of a file, or an element that sections are made of. `examples` are values as YAML on one line."""
 
     id: str
     title: str
     text: Rich
     kind: Rich
+    must: str
     keys: tuple[Key, ...]
     examples: tuple[str, ...]
 
@@ -78,7 +82,8 @@ class _Writer:
             title=name,
             text=self.read(node.get("description", "")),
             kind=self._kind(node),
-            keys=tuple(self._keys(node, "", "")),
+            must=self.demands.of("", name),
+            keys=tuple(self._keys(node, f"{name}.", "")),
             examples=tuple(f"{name}: {flow(example)}" for example in node.get("examples", ())),
         )
 
@@ -88,6 +93,7 @@ class _Writer:
             title=node.get("title", name),
             text=self.read(node.get("description", "")),
             kind=() if "properties" in node else self._kind(node),
+            must="",
             keys=tuple(self._keys(node, "", name)),
             examples=tuple(flow(example) for example in node.get("examples", ())),
         )
@@ -250,8 +256,19 @@ def flow(value: Any) -> str:
     return _scalar(value) if isinstance(value, str) else str(value)
 
 
+_NUMBER_OR_DATE = re.compile(r"[-+]?[0-9]*\.?[0-9]+|[0-9]{4}-[0-9]{1,2}-[0-9]{1,2}")
+"""Text that other YAML readers, those of editors among them, do not take for text."""
+
+
 def _scalar(text: str) -> str:
-    """Text as YAML reads it back: plain where it begins with a letter and cannot be taken for anything else."""
-    safe = text[:1].isalpha() and not set(text) & set(":#,[]{}&*!|>'\"%@`") and text.strip() == text
-    words = {"true", "false", "null", "yes", "no", "on", "off", "y", "n"}
-    return text if safe and text.lower() not in words else json.dumps(text)
+    """Text as YAML: plain where every reader reads it back as it is, else quoted."""
+    plain_text = not set(text) & set(",[]{}") and not _NUMBER_OR_DATE.fullmatch(text) and _reads_back(text)
+    return text if plain_text else json.dumps(text, ensure_ascii=False)
+
+
+def _reads_back(text: str) -> bool:
+    """True where the text stays itself in a list and as the value of a key."""
+    try:
+        return parse(f"key: [{text}, {{inner: {text}}}]\n".encode(), "").get("key") == [text, {"inner": text}]
+    except SpecError:
+        return False

@@ -38,10 +38,10 @@ def pages(device: Device) -> tuple[Page, ...]:
 
 
 def _pages(device: Device) -> Iterator[tuple[Page, bool]]:
-    for low, high, file, title in OBJECT_PAGES:
-        objects = [obj for obj in device.objects if object_link(obj).startswith(file)]
-        yield Page(file, title, f"{len(objects)} objects, {hexadecimal(low)} to {hexadecimal(high)}"), bool(objects)
-    yield Page("pdos.md", "PDOs", "what the PDOs carry at power-on, on every axis"), bool(device.pdos)
+    for low, _, file, title in OBJECT_PAGES:
+        count = sum(_object_page(obj) == file for obj in device.objects)
+        yield Page(file, title, f"{count} objects from {hexadecimal(low)} on"), bool(count)
+    yield Page("pdos.md", "PDOs", "what the PDOs carry at power-on"), bool(device.pdos)
     modes = ", ".join(mode.short for mode in device.modes if mode.bit is not None)
     yield Page("modes.md", "Modes of operation", f"{modes}: bits, objects, recipes"), bool(device.modes)
     homing = f"{len(device.homing_methods)} homing methods"
@@ -56,7 +56,7 @@ def _pages(device: Device) -> Iterator[tuple[Page, bool]]:
     codes = f"{len(device.abort_codes)} codes, {used} of them used"
     yield Page("abort-codes.md", "SDO abort codes", codes), bool(device.abort_codes)
     yield Page("storage.md", "Storage", "what is kept over a reset, and how"), bool(device.storage_groups)
-    errata = f"{len(device.errata)} places where the manual was not followed, and why"
+    errata = f"{len(device.errata)} places where the manual contradicts itself or a standard"
     yield Page("errata.md", "Errata", errata), bool(device.errata)
     changes = bool(device.identity.firmware or device.identity.changes)
     yield Page("changes.md", "Changes", "revisions of the firmware and of this model"), changes
@@ -68,14 +68,17 @@ def _has_state_machine(device: Device) -> bool:
     return bool(device.transitions) and any(entry.role in ("controlword", "statusword") for entry in entries)
 
 
+def _object_page(obj: Object) -> str:
+    return next(file for _, high, file, _ in OBJECT_PAGES if obj.index <= high)
+
+
 def object_link(obj: Object) -> str:
-    page = next(file for low, high, file, _ in OBJECT_PAGES if obj.index <= high)
-    return f"{page}#{hexadecimal(obj.index)}"
+    return f"{_object_page(obj)}#{hexadecimal(obj.index)}"
 
 
-def element_links(device: Device) -> dict[str, str]:
-    """Path of each element that has a place of its own, and its link."""
-    files = {page.file for page in pages(device)}
+def element_links(device: Device, present: tuple[Page, ...]) -> dict[str, str]:
+    """Path of each element that has a place of its own on one of the pages, and its link."""
+    files = {page.file for page in present}
     return {path: link for path, link in _elements(device) if link.partition("#")[0] in files}
 
 

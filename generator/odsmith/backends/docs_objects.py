@@ -105,7 +105,7 @@ class ObjectWriter:
         self.device = device
         self.elements = elements
         self.read = read
-        self.errata = _errata_by_element(device)
+        self.errata = errata_by_path(device)
         self.users = _users(device)
         self.carriers = _carriers(device)
         self.state_titles = {state.name: state.title for state in device.pds_states}
@@ -122,6 +122,7 @@ class ObjectWriter:
         title = numbered_title(obj)
         variable = obj.object_type is ObjectType.VAR
         first = obj.entries[0]
+        shared = self._shared(obj)
         return ObjectView(
             id=hexadecimal(obj.index),
             heading=f"{hexadecimal(obj.index)} {title}",
@@ -135,9 +136,9 @@ class ObjectWriter:
             length=obj.count,
             link=self.elements[f"objects.{obj.name}"],
             text=self.read(obj.text),
-            facts=tuple(self._facts(obj, first if variable else None)),
+            facts=(*self._facts(obj, first if variable else None), *shared, *self._origin(obj)),
             rows=() if variable else tuple(self._row(obj, entry) for entry in obj.entries),
-            parts=tuple(self._parts(obj)),
+            parts=tuple(self._parts(obj, shared)),
         )
 
     # ---- facts of the object -----------------------------------------------------------------------------------------
@@ -145,14 +146,15 @@ class ObjectWriter:
     def _facts(self, obj: Object, variable: Entry | None) -> Iterator[Fact]:
         yield Fact("Index", self._indices(obj))
         yield Fact("EDS name", self._eds_names(obj))
-        yield Fact("Name here", code(obj.name))
+        yield Fact("Name in code", code(obj.name))
         if variable:
             yield Fact("Type", plain(_type(variable)))
-            yield Fact("Access", plain(_ACCESS[variable.access]))
+            yield Fact("Access", plain(_ACCESS[variable.access] + (", a constant" if variable.constant else "")))
             yield Fact("PDO mapping", plain(_MAPPING[variable.mapping]))
             if variable.access.writable or variable.allowed:
                 yield Fact("Range", self._range(variable))
-            yield Fact("Default", self._default(obj, variable))
+            if variable.access.writable or variable.default:
+                yield Fact("Default", self._default(obj, variable))
             if variable.unit:
                 yield Fact("Unit", self._unit(variable.unit))
             if variable.access.writable:
@@ -164,6 +166,8 @@ class ObjectWriter:
             yield Fact("In default PDOs", joined(self.carriers[obj.name]))
         if obj.name in self.users:
             yield Fact("Used in modes", joined(self._mode(mode) for mode in self.users[obj.name]))
+
+    def _origin(self, obj: Object) -> Iterator[Fact]:
         yield Fact("Source", self.read(sources(obj.source)))
         errata = self.errata.get(f"objects.{obj.name}")
         if errata:
@@ -209,23 +213,30 @@ class ObjectWriter:
             stored=self._stored(entry) if entry.access.writable else plain(""),
         )
 
-    def _parts(self, obj: Object) -> Iterator[EntryPart]:
+    def _parts(self, obj: Object, shared: tuple[Fact, ...]) -> Iterator[EntryPart]:
         """Sub-indices with something to say beyond the overview; those in a row that say the same come once."""
         variable = obj.object_type is ObjectType.VAR
         parts = []
         for entry in obj.entries:
-            facts = () if variable else tuple(self._sub_facts(obj, entry))
-            text = plain("") if variable else self.read(entry.text)
-            bits = tuple(self._bit(bit) for bit in entry.bits)
+            facts = () if variable else tuple(f for f in self._sub_facts(obj, entry) if f not in shared)
+            text = () if variable else self.read(entry.text)
+            bits = tuple(bit_row(bit, self.read) for bit in entry.bits)
             values = tuple(_value(entry, value, self.read) for value in entry.values)
             mode_bits = tuple(self._mode_bits(entry))
-            made = not variable and entry.sub == 0 and not entry.access.writable and not bits and not values
-            if (facts or text != plain("") or bits or values or mode_bits) and not made:
-                parts.append((entry, (text, facts, bits, values, mode_bits)))
-        for said, alike in groupby(parts, key=lambda part: part[1]):
+            if (facts or text or bits or values or mode_bits) and (variable or not _is_made(entry)):
+                parts.append((entry, EntryPart("", text, facts, bits, values, mode_bits)))
+        effects: dict[Fact, Entry] = {}  # what writing does, and the sub-index that says it first
+        for part, alike in groupby(parts, key=lambda item: item[1]):
             entries = [entry for entry, _ in alike]
-            heading = "" if variable else _sub_heading(entries)
-            yield EntryPart(heading, *said)
+            facts = tuple(_said_before(fact, effects.setdefault(fact, entries[0]), entries[0]) for fact in part.facts)
+            yield part._replace(heading="" if variable else _sub_heading(entries), facts=facts)
+
+    def _shared(self, obj: Object) -> tuple[Fact, ...]:
+        """What is true of every sub-index that anything is to be said about."""
+        facts = [list(self._sub_facts(obj, entry)) for entry in obj.entries if not _is_made(entry)]
+        if obj.object_type is ObjectType.VAR or len(facts) < 2:
+            return ()
+        return tuple(fact for fact in facts[0] if all(fact in others for others in facts))
 
     def _sub_facts(self, obj: Object, entry: Entry) -> Iterator[Fact]:
         if entry.unit and (entry.unit.selected_by or _scale(entry.unit)):
@@ -238,7 +249,9 @@ class ObjectWriter:
         if entry.hidden_default:
             yield Fact("Not in the EDS", self.read(f"The EDS prints no default: {entry.hidden_default}"))
         if entry.refuse_write_on_scan:
-            yield Fact("Scan", plain("A tool that writes every object in turn leaves this one out (ObjFlags in the EDS)."))
+            yield Fact(
+                "Scan", plain("A tool that writes every object in turn leaves this one out (ObjFlags in the EDS).")
+            )
         if entry.signatures:
             words = (
                 (*code(s.ascii), Piece(f" ({hexadecimal(s.value, 8)}): "), *self.read(s.text)) for s in entry.signatures
@@ -275,7 +288,7 @@ class ObjectWriter:
         if obj.pdo and entry.role:
             return (Piece("as in the table of PDOs", "pdos.md"),)
         if entry.default is None:
-            return plain("none stated") if entry.access.writable else plain("")
+            return plain("none stated, starts as 0") if entry.access.writable else plain("")
         shown = default_text(entry, entry.default)
         if entry.default.text is not None:
             return code(shown) if shown else plain("empty")
@@ -297,14 +310,23 @@ class ObjectWriter:
             pieces += [Piece("; chosen by "), *code(unit.selected_by, link), Piece(f": {options}")]
         return tuple(pieces)
 
-    def _bit(self, bit: Bit) -> BitRow:
-        return bit_row(bit, self.read)
-
     def _mode_bits(self, entry: Entry) -> Iterator[ModeBits]:
         for mode in self.device.modes:
             bits = {"controlword": mode.control_bits, "statusword": mode.status_bits}.get(entry.role, ())
             if bits:
-                yield ModeBits(self._mode(mode), tuple(self._bit(bit) for bit in bits))
+                yield ModeBits(self._mode(mode), tuple(bit_row(bit, self.read) for bit in bits))
+
+
+def _is_made(entry: Entry) -> bool:
+    """The usual sub-index 0, which says how many there are and nothing else."""
+    return entry.sub == 0 and not entry.access.writable and not entry.bits and not entry.values
+
+
+def _said_before(fact: Fact, first: Entry, entry: Entry) -> Fact:
+    """A long text is not said twice in one object."""
+    if first is entry or fact.label != "Writing it":
+        return fact
+    return Fact(fact.label, plain(f"as for sub-index {first.sub:02X}h"))
 
 
 # ---- words -----------------------------------------------------------------------------------------------------------
@@ -372,9 +394,13 @@ def _value(entry: Entry, value: NamedValue, read: Reader) -> ValueRow:
 
 
 def number(entry: Entry, value: int) -> str:
-    """A value of an entry: words made of bits in hexadecimal, quantities in decimal."""
+    """A value of an entry: words made of bits in hexadecimal, quantities in decimal. All bits set is mostly a word
+    of its own among quantities (`no limit`), so that is written both ways."""
+    digits = entry.type.bits // 4 or 1
     if not entry.type.signed and not entry.unit and (entry.bits or value > 0xFFFF):
-        return hexadecimal(value, entry.type.bits // 4 or 1)
+        return hexadecimal(value, digits)
+    if value == 0xFFFFFFFF:
+        return f"{value} ({hexadecimal(value, digits)})"
     return str(value)
 
 
@@ -436,10 +462,12 @@ def _carriers(device: Device) -> dict[str, list[Rich]]:
     return carriers
 
 
-def _errata_by_element(device: Device) -> dict[str, list[Erratum]]:
+def errata_by_path(device: Device) -> dict[str, list[Erratum]]:
     """The errata of each path and of everything above it, as `Device.errata_of` finds them one by one."""
     found: dict[str, list[Erratum]] = defaultdict(list)
     for erratum in device.errata:
-        for path in sorted({"." .join(path.split(".")[: n + 1]) for path in erratum.paths for n in range(path.count(".") + 1)}):
+        parts = (path.split(".") for path in erratum.paths)
+        above = {".".join(names[: depth + 1]) for names in parts for depth in range(len(names))}
+        for path in sorted(above):
             found[path].append(erratum)
     return found

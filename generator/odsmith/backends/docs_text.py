@@ -46,7 +46,9 @@ def joined(texts: Iterable[Rich], separator: str = ", ") -> Rich:
     return tuple(pieces)
 
 
-_MENTION = re.compile(r"`(?P<code>[^`]+)`|\b(?P<name>[0-9A-F]{8}h|[0-9A-F]{4}h|E[0-9]+|[a-z][a-z0-9]*(?:_[a-z0-9]+)+)\b")
+_MENTION = re.compile(
+    r"`(?P<code>[^`\s](?:[^`]*[^`\s])?)`|\b(?P<name>[0-9A-F]{8}h|[0-9A-F]{4}h|E[0-9]+|[a-z][a-z0-9]*(?:_[a-z0-9]+)+)\b"
+)
 
 
 @dataclass
@@ -60,7 +62,8 @@ class Reader:
         """The pieces of a text; white space is folded first, so that pieces keep the blanks between them."""
         found = self._read.get(text)
         if found is None:
-            found = self._read[text] = tuple(self._pieces(escape.one_line(text)))
+            plain_already = text.isascii() and text.isprintable()  # the usual case, and much faster to find out
+            found = self._read[text] = tuple(self._pieces(text if plain_already else escape.one_line(text)))
         return found
 
     def _pieces(self, text: str) -> list[Piece]:
@@ -79,37 +82,51 @@ class Reader:
         return pieces
 
 
+# Most text is harmless as it is, and a search finds that out faster than escaping does: printable ASCII without the
+# characters that mean something.
+_NOT_PLAIN_IN_MARKDOWN = re.compile(r"[^ !\"%'()+-;=?-Z^a-z]")
+_NOT_PLAIN_IN_HTML = re.compile(r"[^ !#-%(-;=?-~]")
+
+
+def _spelled(text: str, not_plain: re.Pattern[str], escaped: Callable[[str], str]) -> str:
+    """A stretch of text in a target language. Escaping strips it; between two pieces its outer blanks count."""
+    if not not_plain.search(text):
+        return text
+    head = " " if text[:1] == " " else ""
+    tail = " " if text[-1:] == " " and text.strip() else ""
+    return head + escaped(text) + tail
+
+
 # ---- Markdown --------------------------------------------------------------------------------------------------------
-
-def markdown(text: str | Rich) -> str:
-    """Text on one line of Markdown, at its start or in a table cell; plain text is not searched for mentions."""
-    if isinstance(text, str):
-        return _not_a_block(escape.markdown(text))
-    return _not_a_block("".join(map(_markdown_piece, text)))
-
-
-def _markdown_piece(piece: Piece) -> str:
-    if piece.code:
-        spelled = _markdown_code(piece.text)
-    else:
-        spelled = _keep_blanks(escape.markdown, piece.text)
-        if spelled.endswith("!"):  # a link may follow, which it would make an image
-            spelled = spelled[:-1] + "\\!"
-    return f"[{spelled}]({piece.link})" if piece.link else spelled
-
-
-def _markdown_code(text: str) -> str:
-    """A code span; text that could end it, or a table cell around it, stays plain (no escapes work in there)."""
-    safe = escape.one_line(text)
-    return escape.markdown(text) if not safe or "`" in safe or "|" in safe else f"`{safe}`"
-
 
 _BLOCK = re.compile(r"(?=[-+=])|[0-9]{1,9}(?=[.)](?:\s|$))")
 
 
-def _not_a_block(line: str) -> str:
-    """No list, rule or underline of a heading at the start of a line."""
+def markdown(text: str | Rich) -> str:
+    """Text on one line of Markdown, at its start or in a table cell; plain text is not searched for mentions."""
+    if isinstance(text, str):
+        line = _spelled(text, _NOT_PLAIN_IN_MARKDOWN, escape.markdown).strip()
+    else:
+        line = "".join(map(_markdown_piece, text))
+    # No list, rule or underline of a heading at the start of a line.
     return _BLOCK.sub(lambda match: match[0] + "\\", line, count=1) if _BLOCK.match(line) else line
+
+
+def _markdown_piece(piece: Piece) -> str:
+    text, link, is_code = piece
+    if is_code:
+        spelled = markdown_code(text)
+    else:
+        spelled = _spelled(text, _NOT_PLAIN_IN_MARKDOWN, escape.markdown)
+        if spelled.endswith("!"):  # a link may follow, which it would make an image
+            spelled = spelled[:-1] + "\\!"
+    return f"[{spelled}]({link})" if link else spelled
+
+
+def markdown_code(text: str) -> str:
+    """A code span; text that could end it, or a table cell around it, stays plain (no escapes work in there)."""
+    safe = text if text.isascii() and text.isprintable() else escape.one_line(text)
+    return escape.markdown(text) if not safe or "`" in safe or "|" in safe else f"`{safe}`"
 
 
 # ---- HTML ------------------------------------------------------------------------------------------------------------
@@ -117,24 +134,20 @@ def _not_a_block(line: str) -> str:
 
 def html(text: str | Rich) -> str:
     """Text in the content of an element; in a quoted attribute too, unless it has pieces."""
-    return escape.html_text(text) if isinstance(text, str) else "".join(map(_html_piece, text))
+    if isinstance(text, str):
+        return _spelled(text, _NOT_PLAIN_IN_HTML, escape.html_text).strip()
+    return "".join(map(_html_piece, text))
 
 
 def _html_piece(piece: Piece) -> str:
-    spelled = _keep_blanks(escape.html_text, piece.text)
-    if piece.code:
+    text, link, is_code = piece
+    spelled = _spelled(text, _NOT_PLAIN_IN_HTML, escape.html_text)
+    if is_code:
         spelled = f"<code>{spelled}</code>"
-    return f'<a href="{html_link(piece.link)}">{spelled}</a>' if piece.link else spelled
+    return f'<a href="{html_link(link)}">{spelled}</a>' if link else spelled
 
 
 def html_link(link: str) -> str:
     """A link as it is in the single page: there the anchors of all pages are unique, a page is its own anchor."""
     page, _, anchor = link.partition("#")
     return "#" + html_module.escape(anchor or page.removesuffix(".md"))
-
-
-def _keep_blanks(spell: Callable[[str], str], text: str) -> str:
-    """Escaping strips a text; between two pieces its outer blanks count."""
-    head = " " if text[:1] == " " else ""
-    tail = " " if text[-1:] == " " and text.strip() else ""
-    return head + spell(text) + tail

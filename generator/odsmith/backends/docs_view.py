@@ -7,7 +7,15 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
 from odsmith.backends.docs_links import hexadecimal, link_of
-from odsmith.backends.docs_objects import BitRow, bit_row, default_text, numbered_title, sources
+from odsmith.backends.docs_objects import (
+    BitRow,
+    bit_row,
+    default_text,
+    errata_by_path,
+    erratum_links,
+    numbered_title,
+    sources,
+)
 from odsmith.backends.docs_text import Piece, Reader, Rich, code, joined, plain
 from odsmith.canopen_types import Source
 from odsmith.model import Device, Emergency, Entry, Erratum, Mode, Object, Pdo, Recipe, Step
@@ -50,7 +58,7 @@ class RecipeView(NamedTuple):
 
 
 class ModeObject(NamedTuple):
-    index: Rich
+    address: Rich
     title: str
     access: str
     unit: str
@@ -195,14 +203,14 @@ class DeviceWriter:
         self.device = device
         self.elements = elements
         self.read = read
+        self.errata_by_path = errata_by_path(device)
 
     def source(self, found: Iterable[Source]) -> Rich:
         return self.read(sources(found))
 
     def errata(self, path: str) -> Rich:
         """The errata that decide something at or below a path."""
-        found = self.device.errata_of(path)
-        return joined((Piece(e.id, self.elements[f"errata.{e.id}"]), Piece(f" {e.title}")) for e in found)
+        return erratum_links(self.errata_by_path.get(path, ()))
 
     def element(self, path: str, label: str) -> Rich:
         """A label that leads to an element where that has a place in the reference."""
@@ -263,7 +271,7 @@ class DeviceWriter:
             title=mode.title,
             short=mode.short,
             code=mode.code,
-            support="none" if mode.bit is None else f"bit {mode.bit}",
+            support="no bit" if mode.bit is None else f"bit {mode.bit}",
             text=self.read(mode.text),
             ramp=self._object(ramp) if ramp else (),
             control_bits=tuple(bit_row(bit, self.read) for bit in mode.control_bits),
@@ -281,7 +289,7 @@ class DeviceWriter:
         units = dict.fromkeys(entry.unit.symbol for entry in obj.entries if entry.unit)
         access = dict.fromkeys(entry.access.value for entry in obj.entries if entry.sub or not obj.highest_sub)
         return ModeObject(
-            index=self.element(f"objects.{obj.name}", hexadecimal(obj.index)),
+            address=self.element(f"objects.{obj.name}", hexadecimal(obj.index)),
             title=numbered_title(obj),
             access=", ".join(access),
             unit=", ".join(units),
@@ -345,8 +353,12 @@ class DeviceWriter:
         if entry and isinstance(value, int):
             names += [item.name for item in entry.values if item.value == value]
             if entry.role == "controlword":
-                names += [c.name for c in self.device.pds_commands if c.mask and value & c.mask == c.value][:1]
+                # Where commands share a pattern the shortest name says it best.
+                commands = [c.name for c in self.device.pds_commands if c.mask and value & c.mask == c.value]
+                names += sorted(commands, key=len)[:1]
                 names += [bit.name for bit in mode.control_bits if value & bit.mask]
+            else:
+                names += [bit.name for bit in entry.bits if bit.low == bit.high and value & bit.mask]
             if entry.bits and not entry.unit:
                 value = f"{hexadecimal(value, max(1, entry.bit_length // 4))}"
         meaning = [code(name) for name in names]
@@ -490,7 +502,7 @@ class DeviceWriter:
                 title=led.title,
                 colour=led.colour,
                 rows=tuple(
-                    LedRow(pattern.title, phases(pattern), words(pattern.when), self.read(pattern.text))
+                    LedRow(pattern.title, phases(pattern), ", ".join(map(words, pattern.when)), self.read(pattern.text))
                     for pattern in led.patterns
                 ),
                 source=self.source(led.source),
@@ -504,28 +516,28 @@ class DeviceWriter:
         members: dict[str, list[Rich]] = defaultdict(list)
         actions: dict[tuple[str, str], list[Rich]] = defaultdict(list)
         for obj in self.device.objects:
-            for group in dict.fromkeys(entry.stored for entry in obj.entries):
-                members[group].append(self._object(obj))
+            for stored in dict.fromkeys(entry.stored for entry in obj.entries):
+                members[stored].append(self._object(obj))
             for entry in obj.entries:
                 label = f"{hexadecimal(obj.index)}:{entry.sub:02X} {entry.title}"
-                for group in entry.groups:
+                for acted_on in entry.groups:
                     for signature in entry.signatures:
-                        actions[group, signature.name].append(self.element(f"objects.{obj.name}", label))
-        for group in self.device.storage_groups.values():
+                        actions[acted_on, signature.name].append(self.element(f"objects.{obj.name}", label))
+        for name, group in self.device.storage_groups.items():
             yield GroupView(
-                id=f"group-{group.name}",
-                name=group.name,
+                id=f"group-{name}",
+                name=name,
                 text=self.read(group.text),
-                saved_by=joined(actions[group.name, "save"]) or plain("nothing"),
-                restored_by=joined(actions[group.name, "load"]) or plain("nothing"),
-                objects=joined(members[group.name]) or plain("none"),
+                saved_by=joined(actions[name, "save"]) or plain("nothing"),
+                restored_by=joined(actions[name, "load"]) or plain("nothing"),
+                objects=joined(members[name]) or plain("none"),
             )
 
     def errata_list(self) -> tuple[ErratumView, ...]:
         return tuple(self._erratum(erratum) for erratum in self.device.errata)
 
     def _erratum(self, erratum: Erratum) -> ErratumView:
-        severities = {"A": "decides a value", "B": "decides a behaviour", "C": "editorial"}
+        severities = {"A": "a value", "B": "a behaviour", "C": "wording"}
         return ErratumView(
             id=erratum.id,
             severity=severities[erratum.severity],

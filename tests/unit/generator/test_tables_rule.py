@@ -32,16 +32,16 @@ def artefacts(device: Device) -> dict[str, str]:
 
 
 ROWS: dict[str, tuple[str, str, dict[str, str]]] = {
-    # what: (file, first line of the element, words by backend that only this row brings)
+    # what: (file, first line of the element, for some backends a pattern that only this row brings)
     "a transition": (
         "cia/402.yaml",
         "- number: 16",
-        {"c": r"\b16U?, .*OPERATION_ENABLED", "python": r"\b16\b.*operation_enabled", "docs": r"\| 16 \|"},
+        {"c": r"ODS_PDS_STATE_OPERATION_ENABLED, 16 \}", "python": r"number=16,", "docs": "transition-16"},
     ),
     "an emergency": (
         "trinamic/emergency.yaml",
         "- name: undervoltage",
-        {"c": "0xFF00", "python": r"0xFF00", "docs": "FF00h"},
+        {"c": "EMCY_UNDERVOLTAGE 0xFF00u", "python": r'"undervoltage"', "docs": "FF00h"},
     ),
     "a homing method": (
         "trinamic/homing.yaml",
@@ -52,7 +52,7 @@ ROWS: dict[str, tuple[str, str, dict[str, str]]] = {
         "trinamic/modes.yaml",
         "cyclic_synchronous_velocity:",
         {
-            "c": r"OPERATION_CYCLIC_SYNCHRONOUS_VELOCITY",
+            "c": "MODES_OF_OPERATION_CYCLIC_SYNCHRONOUS_VELOCITY",
             "python": "CYCLIC_SYNCHRONOUS_VELOCITY = 9",
             "eds": "0x000001A5",
         },
