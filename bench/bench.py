@@ -22,16 +22,32 @@ EDS = ROOT / "generated" / DEVICE / "eds" / "TMCM-3230.eds"
 TIMED = "import time; start = time.perf_counter(); {}; print(time.perf_counter() - start)"
 
 
+BUILD_ANEW = """
+import shutil, sys
+from odsmith.cli import main
+device, project, out = sys.argv[1:]
+shutil.rmtree(out, ignore_errors=True)
+sys.exit(main(["build", device, "--project", project, "--out", out]))
+"""
+
+
 def bench_build(folder: Path, runs: int) -> None:
     """A full build of one device into a new folder, and a check of it, beside dcf2dev on the EDS."""
-    command = [sys.executable, "-m", "odsmith.cli", "build", DEVICE, "--project", ROOT, "--out", folder / "out"]
-    removing = "import shutil, sys; from odsmith.cli import main; shutil.rmtree(sys.argv[2], ignore_errors=True); "
-    build = Series(
-        "odsmith build, every artefact",
-        [sys.executable, "-c", removing + "sys.exit(main(['build', sys.argv[1], '--project', sys.argv[3], "
-         "'--out', sys.argv[2]]))", DEVICE, folder / "out", ROOT],
-    )  # fmt: skip
-    check = Series("odsmith build --check", [*command, "--check"])
+    out = folder / "out"
+    build = Series("odsmith build, every artefact", [sys.executable, "-c", BUILD_ANEW, DEVICE, ROOT, out])
+    checking: list[str | Path] = [
+        sys.executable,
+        "-m",
+        "odsmith.cli",
+        "build",
+        DEVICE,
+        "--project",
+        ROOT,
+        "--out",
+        out,
+        "--check",
+    ]
+    check = Series("odsmith build --check", checking)
     peer = Series("dcf2dev, C alone, from the EDS", [BIN / "dcf2dev", EDS, DEVICE])
     measure([build, check, peer], runs)
     report("Build of the TMCM-3230", [build, check, peer], peer)

@@ -3,22 +3,24 @@
 What a generated package builds on: the object dictionary with its entries, units, emergencies, abort codes, the state
 machine, modes and recipes. It needs the standard library only, and at import almost none of that: each module here is
 loaded when one of its names is first used, so that a program which wants a single object does not wait for the rest.
-"""
 
-from __future__ import annotations
+The way from `import` to a dictionary is short on purpose: two modules here and two of the generated package, none of
+them of the standard library. That is why these four quote annotations instead of importing `__future__`.
+"""
 
 import sys
 
 TYPE_CHECKING = False  # as in typing, whose import would cost more than all of this package
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
+    from functools import cached_property
 
-    from .abort_codes import AbortCode as AbortCode
+    from .abort_codes import AbortCodeInfo as AbortCodeInfo
     from .choices import Bits as Bits
     from .choices import Choice as Choice
     from .choices import Word as Word
     from .dictionary import ObjectDictionary as ObjectDictionary
-    from .emergencies import Condition as Condition
+    from .emergencies import ConditionInfo as ConditionInfo
     from .emergencies import Emergency as Emergency
     from .emergencies import EmergencyTable as EmergencyTable
     from .entries import Entry as Entry
@@ -32,11 +34,11 @@ if TYPE_CHECKING:
     from .errors import WrongTypeError as WrongTypeError
     from .leds import Led as Led
     from .leds import LedPattern as LedPattern
-    from .modes import HomingMethod as HomingMethod
-    from .modes import OperationMode as OperationMode
+    from .modes import HomingMethodInfo as HomingMethodInfo
+    from .modes import ModeInfo as ModeInfo
     from .modes import RampParameter as RampParameter
-    from .nmt import NmtCommand as NmtCommand
-    from .nmt import NmtState as NmtState
+    from .nmt import NmtCommandInfo as NmtCommandInfo
+    from .nmt import NmtStateInfo as NmtStateInfo
     from .pdos import Pdo as Pdo
     from .recipes import Command as Command
     from .recipes import Expect as Expect
@@ -46,16 +48,34 @@ if TYPE_CHECKING:
     from .recipes import Write as Write
     from .rows import Named as Named
     from .rows import Role as Role
-    from .state_machine import PdsCommand as PdsCommand
-    from .state_machine import PdsState as PdsState
+    from .state_machine import PdsCommandInfo as PdsCommandInfo
+    from .state_machine import PdsStateInfo as PdsStateInfo
     from .state_machine import StateMachine as StateMachine
     from .state_machine import Transition as Transition
     from .units import Unit as Unit
 
+    lazy_property = cached_property
+else:
+
+    class lazy_property:  # noqa: N801  # used like property
+        """A property that is computed once and then stands in the instance: `functools.cached_property`."""
+
+        def __init__(self, compute):
+            self.compute = compute
+
+        def __set_name__(self, owner, name):
+            self.name = name
+
+        def __get__(self, instance, owner=None):
+            if instance is None:
+                return self
+            value = instance.__dict__[self.name] = self.compute(instance)
+            return value
+
 
 def load_on_use(
-    package: str, homes: Mapping[str, tuple[str, ...]]
-) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
+    package: str, homes: "Mapping[str, tuple[str, ...]]"
+) -> "tuple[Callable[[str], object], Callable[[], list[str]]]":
     """`__getattr__` and `__dir__` of a package that loads its modules on first use (PEP 562).
 
     `homes` lists the public names of each module. Asking the package for one of them, or for a module itself, imports
@@ -83,10 +103,10 @@ if not TYPE_CHECKING:  # hidden from type checkers, who would take any name for 
     __getattr__, __dir__ = load_on_use(
         __name__,
         {
-            "abort_codes": ("AbortCode",),
+            "abort_codes": ("AbortCodeInfo",),
             "choices": ("Bits", "Choice", "Word"),
             "dictionary": ("ObjectDictionary",),
-            "emergencies": ("Condition", "Emergency", "EmergencyTable"),
+            "emergencies": ("ConditionInfo", "Emergency", "EmergencyTable"),
             "entries": ("Entry", "Object"),
             "errors": (
                 "NoSuchObjectError",
@@ -98,12 +118,12 @@ if not TYPE_CHECKING:  # hidden from type checkers, who would take any name for 
                 "WrongTypeError",
             ),
             "leds": ("Led", "LedPattern"),
-            "modes": ("HomingMethod", "OperationMode", "RampParameter"),
-            "nmt": ("NmtCommand", "NmtState"),
+            "modes": ("HomingMethodInfo", "ModeInfo", "RampParameter"),
+            "nmt": ("NmtCommandInfo", "NmtStateInfo"),
             "pdos": ("Pdo",),
             "recipes": ("Command", "Expect", "Input", "Recipe", "Wait", "Write"),
             "rows": ("Named", "Role"),
-            "state_machine": ("PdsCommand", "PdsState", "StateMachine", "Transition"),
+            "state_machine": ("PdsCommandInfo", "PdsStateInfo", "StateMachine", "Transition"),
             "units": ("Unit",),
         },
     )

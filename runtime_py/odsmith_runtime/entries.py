@@ -12,10 +12,12 @@ if TYPE_CHECKING:
     from typing import Any
 
     from .choices import Bits, Choice
-    from .dictionary import ObjectDictionary
+    from .dictionary import Default, EntryRow, ObjectDictionary, ObjectRow
     from .units import Unit
 
     Raw = int | float | str | bytes
+    BitsClass = type[Bits]  # an entry has a type, so `type` is something else in its class
+    ChoiceClass = type[Choice]
 
 V = TypeVar("V")
 
@@ -28,7 +30,7 @@ class Object(Row):
     PDOs say in `pdo` which record they are and in `number` which PDO of their axis, from 1.
     """
 
-    dictionary: ObjectDictionary[Any, Any]
+    dictionary: ObjectDictionary
     index: int
     base_index: int
     name: str
@@ -91,11 +93,12 @@ class Entry(Row, Generic[V]):
     """One sub-index: type, access, limits, meaning. `V` is what its value is in Python.
 
     `access` is ro, rw, wo or const; `mapping` says which PDOs may carry the entry: no, rx, tx or both. `allowed` are
-    the values that may be written, as ascending closed intervals, empty where any value of the type may. `signatures`
-    are the only values that make a command act, by name. `writable_in` names the PDS states in which a write is taken,
-    `stored` the storage group (or never), `groups` the groups that a storage command acts on, `effect` what a write
-    does, `role` the field of the runtimes that holds the value. `repeat` is the ordinal of an entry that the model
-    writes once and repeats, for each axis if `per_axis`. `hidden_default` says why the EDS keeps the default to itself.
+    the values that may be written, as ascending closed intervals, empty where any value of the type may; a `listed` set
+    names its members, so that another value is not too low or too high but simply none of them. `signatures` are the
+    only values that make a command act, by name. `writable_in` names the PDS states in which a write is taken, `stored`
+    the storage group (or never), `groups` the groups that a storage command acts on, `effect` what a write does, `role`
+    the field of the runtimes that holds the value. `repeat` is the ordinal of an entry that the model writes once and
+    repeats, for each axis if `per_axis`. `hidden_default` says why the EDS keeps the default to itself.
     """
 
     parent: Object
@@ -109,6 +112,7 @@ class Entry(Row, Generic[V]):
     stated_default: int | str | tuple[str, int] | None
     length: int = 0
     allowed: tuple[tuple[int, int], ...] = ()
+    listed: bool = False
     values_class: str = ""
     bits_class: str = ""
     unit_name: str = ""
@@ -206,12 +210,12 @@ class Entry(Row, Generic[V]):
         return self.parent.dictionary.units[self.unit_name] if self.unit_name else None
 
     @property
-    def values(self) -> type[Choice] | None:
+    def values(self) -> ChoiceClass | None:
         """The enumeration of the values that have names."""
         return self.parent.dictionary.enumeration(self.values_class) if self.values_class else None
 
     @property
-    def bits(self) -> type[Bits] | None:
+    def bits(self) -> BitsClass | None:
         """The bits and bit fields of the value."""
         return self.parent.dictionary.flags(self.bits_class) if self.bits_class else None
 
@@ -290,30 +294,91 @@ class Entry(Row, Generic[V]):
 
     @property
     def limits_text(self) -> str:
-        """`0..8388607 pps`, or `1 (shutdown), 5 (slow_down)`, for messages."""
-        names = {int(member): member.name.lower() for member in self.values} if self.values else {}
-
-        def one(value: int) -> str:
-            return f"{value} ({names[value]})" if value in names else str(value)
-
-        if all(low - 1 in names or low in names for low, _ in self.allowed) and names:
-            members = (one(value) for low, high in self.allowed for value in range(low, high + 1))
-            return ", ".join(members)
-        intervals = (one(low) if low == high else f"{low}..{high}" for low, high in self.allowed)
+        """`0..8388607 pps`, or `0 (spread_cycle), 1 (constant_off_time)`, for messages."""
+        names = {member.value: member.name.lower() for member in self.values or ()}
+        if names and all(value in names for low, high in self.allowed for value in range(low, high + 1)):
+            return ", ".join(f"{value} ({name})" for value, name in sorted(names.items()) if self.allows(value))
+        intervals = (str(low) if low == high else f"{low}..{high}" for low, high in self.allowed)
         return ", ".join(intervals) + (f" {self.unit.symbol}" if self.unit else "")
 
     def _typed(self, value: Raw) -> V:
         """The value as its bits or its named value; what has no name stays as it is."""
         typed: Any = value
         if self.bits_class:
-            flags = self.parent.dictionary.flags(self.bits_class)
-            typed = flags(value)
+            typed = self.parent.dictionary.flags(self.bits_class)(typed)
         elif self.values_class:
-            enumeration = self.parent.dictionary.enumeration(self.values_class)
-            typed = enumeration._value2member_map_.get(value, value)
+            typed = self.parent.dictionary.enumeration(self.values_class)._value2member_map_.get(typed, typed)
         result: V = typed
         return result
 
 
 def _of_axis(axis: int | None) -> str:
     return "" if axis is None else f" of axis {axis}"
+
+
+# ---- from rows to objects --------------------------------------------------------------------------------------------
+
+
+def make_object(dictionary: ObjectDictionary, base_index: int, axis: int | None, number: int) -> Object:
+    """The object at `base_index` on axis 0, on `axis`, for PDO `number` of that axis."""
+    row = dictionary.object_rows[base_index]
+    name, title, _, object_type, stride, _, pdo = row
+    index = base_index + (axis or 0) * stride + number - 1
+    numbered = _pdo_number(index)
+    columns: dict[str, Any] = {
+        "dictionary": dictionary,
+        "index": index,
+        "base_index": base_index,
+        "name": name,
+        "title": title.replace("{number}", numbered),
+        "parameter_name": parameter_name(row, index, axis),
+        "object_type": object_type,
+        "axis": axis,
+        "pdo": pdo,
+        "number": number if pdo else 0,
+    }
+    obj = Object.trusted(columns)
+    obj.__dict__["entries"] = tuple(
+        _make_entry(obj, sub, entry) for sub, entry in dictionary.rows_of_entries[base_index]
+    )
+    return obj
+
+
+def parameter_name(row: ObjectRow, index: int, axis: int | None) -> str:
+    """The name in the EDS: axes count from 1 there, PDOs through all axes."""
+    name, pdo = row[2].replace("{number}", _pdo_number(index)), row[6]
+    return name if axis is None or pdo else f"{name} {axis + 1}"
+
+
+def _pdo_number(index: int) -> str:
+    """PDO parameters stand in blocks of 200h indices, the first one for PDO 1 (CiA 301, clause 7.5.2.33)."""
+    return str((index & 0x1FF) + 1)
+
+
+def _make_entry(obj: Object, sub: int, row: EntryRow) -> Entry[Any]:
+    columns: dict[str, Any] = {"name": obj.name, "title": obj.title, "parameter_name": obj.parameter_name}
+    type_, access, mapping, default, *pairs = row
+    columns.update(parent=obj, sub=sub, type=type_, access=access, mapping=mapping, stated_default=default)
+    columns.update(pairs)
+    if obj.pdo and "role" in columns:
+        columns["stated_default"] = _pdo_default(obj, columns["role"], columns.get("repeat", 0))
+    return Entry.trusted(columns)
+
+
+def _pdo_default(obj: Object, role: str, position: int) -> Default:
+    """PDO parameters have their defaults in the table of PDOs; on other axes the same entries are mapped there."""
+    rows = obj.dictionary.pdo_rows
+    cob_id, other_cob_id, transmission_type, inhibit_time, event_timer, mapped = rows[obj.pdo[:4], obj.number]
+    if role == "pdo_cob_id":
+        return other_cob_id if obj.axis else cob_id
+    if role == "pdo_mapping":
+        if position >= len(mapped):
+            return 0
+        stride = obj.dictionary.object_rows[mapped[position] >> 16][4]
+        return mapped[position] + ((obj.axis or 0) * stride << 16)
+    return {
+        "pdo_transmission_type": transmission_type,
+        "pdo_inhibit_time": inhibit_time,
+        "pdo_event_timer": event_timer,
+        "pdo_mapped_count": len(mapped),
+    }[role]

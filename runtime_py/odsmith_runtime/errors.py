@@ -4,8 +4,9 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any
+
     from .entries import Entry
-    from .typing_support import Any
 
 
 class NoSuchObjectError(KeyError):

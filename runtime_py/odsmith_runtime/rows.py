@@ -6,7 +6,7 @@ from .typing_support import dataclass_transform
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any, NoReturn
+    from typing import Any, NoReturn, Self
 
 
 @dataclass_transform(kw_only_default=True, frozen_default=True)
@@ -26,6 +26,13 @@ class Row:
             if name not in columns and not hasattr(type(self), name):
                 raise TypeError(f"{type(self).__name__} lacks the column {name!r}")
         self.__dict__.update(columns)
+
+    @classmethod
+    def trusted(cls, columns: dict[str, Any]) -> Self:
+        """A row of columns that are known to be right: those that a generated table gives."""
+        row = cls.__new__(cls)
+        row.__dict__.update(columns)
+        return row
 
     def __setattr__(self, name: str, value: object) -> NoReturn:
         raise AttributeError(f"{name}: a {type(self).__name__} cannot be changed", name=name, obj=self)

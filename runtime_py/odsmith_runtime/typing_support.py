@@ -1,18 +1,16 @@
-"""`Generic`, `TypeVar` and `overload` for type checkers, without importing typing when a program runs.
+"""What type checkers want from typing, without importing that when a program runs.
 
-Importing typing takes several times as long as importing a whole generated dictionary. Type checkers see the real
-things; at run time classes here are not parametrised at all, so a stand-in that ignores its parameter is enough.
+Importing it takes several times as long as importing a whole generated dictionary. Type checkers see the real
+things; at run time nothing here is parametrised, so stand-ins that ignore their parameters are enough.
 """
 
 from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any as Any
     from typing import Generic as Generic
     from typing import TypeVar as TypeVar
     from typing import dataclass_transform as dataclass_transform
-    from typing import overload as overload
 else:
 
     class Generic:
@@ -26,6 +24,3 @@ else:
 
     def dataclass_transform(**_):
         return lambda decorated: decorated
-
-    def overload(function):
-        return function

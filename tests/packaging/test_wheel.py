@@ -1,0 +1,123 @@
+"""The wheel is complete: an installed odsmith builds the same bytes as the checkout, and its client side is light."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import zipfile
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def wheel(root: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("wheel")
+    source = folder / "source"  # a copy, so that no build folder appears in the checkout
+    subprocess.run(["git", "clone", "--quiet", "--no-hardlinks", root, source], check=True)
+    _overlay_working_tree(root, source)
+    subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", folder, source],
+        check=True,
+    )
+    return next(folder.glob("odsmith-*.whl"))
+
+
+def _overlay_working_tree(root: Path, source: Path) -> None:
+    """Make the clone equal the working tree, uncommitted files included."""
+    listed = subprocess.run(
+        ["git", "-C", root, "ls-files", "--cached", "--others", "--exclude-standard", "-z"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    for name in filter(None, listed.split("\0")):
+        if (root / name).is_file():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            (source / name).write_bytes((root / name).read_bytes())
+        else:
+            (source / name).unlink(missing_ok=True)
+
+
+def _environment(folder: Path, wheel: Path, *requirements: str) -> Path:
+    """A new environment with the wheel and nothing else but `requirements`, taken from the running one."""
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder], check=True)
+    python = folder / "bin" / "python"
+    subprocess.run(
+        [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", "--no-index", wheel],
+        check=True,
+    )
+    site = next((folder / "lib").glob("python*/site-packages"))
+    for name in _closure(requirements):
+        distribution = metadata.distribution(name)
+        for top in {Path(file).parts[0] for file in distribution.files or () if ".." not in Path(file).parts}:
+            target = Path(str(distribution.locate_file(top)))
+            if target.exists() and not (site / top).exists():
+                (site / top).symlink_to(target)
+    return python
+
+
+def _closure(requirements: tuple[str, ...]) -> set[str]:
+    found: set[str] = set()
+    waiting = list(requirements)
+    while waiting:
+        name = re.split(r"[^A-Za-z0-9._-]", waiting.pop())[0]
+        if name in found:
+            continue
+        found.add(name)
+        waiting += [text for text in metadata.requires(name) or () if "extra ==" not in text and ";" not in text]
+    return found
+
+
+def _run(python: Path, *arguments: str | Path, cwd: Path, fine: bool = True) -> subprocess.CompletedProcess[str]:
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    result = subprocess.run([python, *arguments], cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+    assert not fine or result.returncode == 0, result.stderr
+    return result
+
+
+def test_an_installed_wheel_builds_the_bytes_of_the_checkout(root: Path, wheel: Path, tmp_path: Path) -> None:
+    python = _environment(tmp_path / "env", wheel, "jinja2", "jsonschema-rs", "pyyaml", "rich")
+    _run(python, "-m", "odsmith.cli", "build", "cia", "tmcm3230", "--out", tmp_path / "out", cwd=tmp_path)
+    for device in ("cia", "tmcm3230"):
+        built = {
+            path.relative_to(tmp_path / "out"): path.read_bytes()
+            for path in (tmp_path / "out" / device).rglob("*")
+            if path.is_file()
+        }
+        assert len(built) > 5
+        for path, content in built.items():
+            assert content == (root / "generated" / path).read_bytes(), path
+
+
+def test_the_packaged_library_serves_includes(root: Path, wheel: Path, tmp_path: Path) -> None:
+    python = _environment(tmp_path / "env", wheel, "jinja2", "jsonschema-rs", "pyyaml", "rich")
+    (tmp_path / "my_drive.yaml").write_bytes((root / "tests" / "golden" / "toy.yaml").read_bytes())
+    _run(python, "-m", "odsmith.cli", "build", "my_drive.yaml", "--out", "build", cwd=tmp_path)
+    assert (tmp_path / "build" / "toy" / "eds" / "TOY-2.eds").is_file()
+
+
+def test_the_client_side_needs_nothing_else(root: Path, wheel: Path, tmp_path: Path) -> None:
+    python = _environment(tmp_path / "env", wheel)
+    package = root / "generated" / "tmcm3230" / "python"
+    program = (
+        f"import sys; sys.path.insert(0, {str(package)!r}); import tmcm3230; print(tmcm3230.HomingMethod.__name__)"
+    )
+    assert _run(python, "-c", program, cwd=tmp_path).stdout == "HomingMethod\n"
+    refused = _run(python, "-m", "odsmith.cli", "build", "tmcm3230", cwd=tmp_path, fine=False)
+    assert refused.returncode == 2
+    assert "pip install 'odsmith[generator]'" in refused.stderr
+    assert "Traceback" not in refused.stderr
+
+
+def test_the_wheel_has_no_file_too_many(wheel: Path) -> None:
+    names = zipfile.ZipFile(wheel).namelist()
+    assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".egg-info", ".keep"))]
+    for needed in ("odsmith/spec/schema.json", "odsmith/spec/trinamic/motor.yaml", "odsmith/py.typed"):
+        assert needed in names
+    assert any(name.startswith("odsmith/templates/c/") for name in names)
