@@ -54,22 +54,25 @@ def bench_build(folder: Path, runs: int) -> None:
 
 
 def bench_import(folder: Path, runs: int) -> None:
-    """Importing the installed bindings beside reading the EDS; the time inside the process, after its start."""
+    """Importing the bindings beside reading the EDS; the time inside the process, after its start."""
     shutil.copytree(ROOT / "generated" / DEVICE / "python" / DEVICE, folder / "site" / DEVICE)
     path = f"import sys; sys.path.insert(0, {str(folder / 'site')!r}); "
-    bindings = Series("import tmcm3230", [sys.executable, "-c", path + TIMED.format(f"import {DEVICE}")], True)
-    first_use = Series(
-        "import tmcm3230, first use of an enumeration",
-        [sys.executable, "-c", path + TIMED.format(f"import {DEVICE}; {DEVICE}.HomingMethod")],
-        True,
-    )
-    eds = Series(
-        "canopen.import_od of the EDS",
-        [sys.executable, "-c", "import canopen; " + TIMED.format(f"canopen.import_od({str(EDS)!r})")],
-        True,
-    )
-    measure([bindings, first_use, eds], runs)
-    report("Import of the bindings", [bindings, first_use, eds], eds)
+
+    def bindings(name: str, statements: str) -> Series:
+        return Series(name, [sys.executable, "-c", path + TIMED.format(statements)], True)
+
+    import_eds = "import canopen; " + TIMED.format(f"canopen.import_od({str(EDS)!r})")
+    eds = Series("canopen.import_od of the EDS", [sys.executable, "-c", import_eds], True)
+    series = [
+        bindings(f"import {DEVICE}", f"import {DEVICE}"),
+        bindings("... and its dictionary", f"from {DEVICE} import DICTIONARY"),
+        bindings("... and the first look-up in it", f"from {DEVICE} import DICTIONARY; DICTIONARY[0x6840]"),
+        bindings("... or the first enumeration", f"from {DEVICE} import DICTIONARY, HomingMethod"),
+        bindings("... or the first flags", f"from {DEVICE} import DICTIONARY, Statusword"),
+        eds,
+    ]
+    measure(series, runs)
+    report("Import of the bindings", series, eds)
 
 
 def bench_growth(folder: Path, runs: int) -> None:

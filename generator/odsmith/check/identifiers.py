@@ -20,7 +20,6 @@ PDO_NAME_LENGTH = 32
 
 def check_identifiers(device: Device) -> Iterator[Diagnostic]:
     yield from _constants(device)
-    yield from _classes(device)
     yield from _parameter_names(device)
     for obj in device.objects:
         yield from _reserved(obj.name, obj.place)
@@ -41,18 +40,6 @@ def _constants(device: Device) -> Iterator[Diagnostic]:
             ]
         for constant, name, place in spelled:
             yield from _collision(taken, constant, name, place, "C and Python")
-
-
-def _classes(device: Device) -> Iterator[Diagnostic]:
-    """Python enumerations: one class for each entry with named values or bits."""
-    taken: dict[str, tuple[str, Place]] = {}
-    for obj in device.objects:
-        for entry in obj.entries:
-            if entry.values or entry.bits:
-                parts = [obj.name] if len(obj.entries) == 1 else [obj.name, entry.name]
-                yield from _collision(
-                    taken, names.class_name("_".join(parts)), ".".join(parts), entry.place, "Python (as a class)"
-                )
 
 
 def _collision(

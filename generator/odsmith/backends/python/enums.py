@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from odsmith import names
-from odsmith.backends.python_names import (
+from odsmith.backends.python.names import (
     MODE_WORDS,
     bits_class,
     has_mode_bits,
@@ -15,7 +15,7 @@ from odsmith.backends.python_names import (
     values_class,
     word_bits,
 )
-from odsmith.backends.python_source import Code, Hex, assignment, docstring
+from odsmith.backends.python.source import Code, Hex, assignment, docstring
 from odsmith.model import Bit, Device, Entry, NamedValue, Object
 from odsmith.vocabulary import Vocabulary
 

@@ -1,7 +1,7 @@
 """C for firmware: the vocabulary as headers, a device as constant tables that all of its axes share.
 
-`c_storage` decides where values live, `c_dictionary` packs the tables, `c_drive` makes the rows of the other tables,
-`c_constants` and `c_vocabulary` name things; here they become what the templates see.
+`storage` decides where values live, `dictionary` packs the tables, `drive` makes the rows of the other tables,
+`constants` and `vocabulary` name things; here they become what the templates see.
 """
 
 from __future__ import annotations
@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from odsmith import escape, names
-from odsmith.backends import c_constants, c_drive, c_vocabulary
-from odsmith.backends.c_dictionary import (
+from odsmith.backends.c import constants as c_constants
+from odsmith.backends.c import drive as c_drive
+from odsmith.backends.c import vocabulary as c_vocabulary
+from odsmith.backends.c.dictionary import (
     MAP_UNIT,
     PAGE,
     Default,
@@ -24,9 +26,9 @@ from odsmith.backends.c_dictionary import (
     Text,
     pack,
 )
-from odsmith.backends.c_drive import C_TYPE_CODES, flags
-from odsmith.backends.c_storage import SCOPES, Scope, Storage, struct_of
-from odsmith.backends.c_text import beside, comment, distinct, hexadecimal, number, rows, signed, unsigned
+from odsmith.backends.c.drive import C_TYPE_CODES, flags
+from odsmith.backends.c.storage import SCOPES, Scope, Storage, struct_of
+from odsmith.backends.c.text import beside, comment, distinct, hexadecimal, number, rows, signed, unsigned
 from odsmith.canopen_types import DataType
 from odsmith.model import Device, PdoKind
 from odsmith.render import MARK, Backend

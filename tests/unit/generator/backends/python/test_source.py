@@ -14,7 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from odsmith.backends.python_source import (
+from odsmith.backends.python.source import (
     WIDTH,
     Call,
     Code,

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from odsmith import names
-from odsmith.backends.python_names import bits_class, has_names, values_class
-from odsmith.backends.python_source import declaration, docstring
+from odsmith.backends.python.names import bits_class, has_names, values_class
+from odsmith.backends.python.source import declaration, docstring
 from odsmith.canopen_types import DataType
 from odsmith.explain import source_text
 from odsmith.model import Device, Entry, Object

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 from odsmith import names
 from odsmith.canopen_types import ObjectType, Place
+from odsmith.errors import Diagnostic
 from odsmith.model import Bit, Device, Entry, Mode, Object
+from odsmith.rules import diagnose
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,25 @@ def declared_classes(device: Device) -> Iterator[Declared]:
         for word in MODE_WORDS:
             if has_mode_bits(device, mode, word):
                 yield Declared("flags", mode_bits_class(mode, word), f"{word} of mode {mode.name}", mode.place)
+
+
+def clashes(device: Device) -> Iterator[Diagnostic]:
+    """Names of the spec that become one class, or one that the package declares anyway."""
+    taken: dict[tuple[bool, str], Declared] = {}
+    for item in declared_classes(device):
+        named_values = item.module != "objects"  # enumerations and bit tables are told apart by name alone
+        other = taken.setdefault((named_values, item.name), item)
+        if other.origin != item.origin:
+            yield diagnose(
+                "E451",
+                item.place,
+                f"`{other.origin}` and `{item.origin}` both become the class {item.name} in Python",
+                "rename one of them",
+                notes=((other.place, f"`{other.origin}` is here"),),
+            )
+        elif item.name in RESERVED.get(item.module, ()):
+            message = f"`{item.origin}` becomes {item.name} in Python, a class that every package has"
+            yield diagnose("E452", item.place, message, "choose another name")
 
 
 MODE_WORDS = ("controlword", "statusword")

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import Any
 
 from odsmith import names
-from odsmith.backends.python_names import MODE_WORDS, bits_class, has_mode_bits, mode_bits_class, values_class
-from odsmith.backends.python_source import Call, Code, Hex
+from odsmith.backends.python.names import MODE_WORDS, bits_class, has_mode_bits, mode_bits_class, values_class
+from odsmith.backends.python.source import Call, Code, Hex
 from odsmith.explain import source_text
 from odsmith.model import Default, Device, Emergency, Entry, Mode, Object, Pdo, Step
 from odsmith.vocabulary import Condition, Led, Named, Unit, Vocabulary

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from odsmith.backends.c_storage import Field, Location, Storage, by_size, is_constant, role_field, sized_by_device
+from odsmith.backends.c.storage import Field, Location, Storage, by_size, is_constant, role_field, sized_by_device
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection
 from odsmith.model import Allowed, Default, Device, Entry, Object
 from odsmith.vocabulary import Role, Signature

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from odsmith.backends.c_text import (
+from odsmith.backends.c.text import (
     Constant,
     Group,
     beside,

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from odsmith import names
-from odsmith.backends.c_storage import Field, by_size, role_field, sized_by_device
-from odsmith.backends.c_text import Constant, Group, hexadecimal
+from odsmith.backends.c.storage import Field, by_size, role_field, sized_by_device
+from odsmith.backends.c.text import Constant, Group, hexadecimal
 from odsmith.vocabulary import Condition, Named, PdsState, Vocabulary
 
 

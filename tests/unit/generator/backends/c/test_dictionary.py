@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from odsmith.backends.c_dictionary import (
+from odsmith.backends.c.dictionary import (
     CHUNK,
     FOLDED,
     MAP_UNIT,
@@ -21,7 +21,7 @@ from odsmith.backends.c_dictionary import (
     overlap,
     pack,
 )
-from odsmith.backends.c_storage import Location
+from odsmith.backends.c.storage import Location
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection
 from odsmith.errors import SpecError
 from odsmith.model import Allowed, AxisArea, Default, Device, Entry, Object

@@ -11,10 +11,12 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from odsmith import escape
-from odsmith.backends import python_enums, python_objects
-from odsmith.backends import python_tables as tables
-from odsmith.backends.python_names import find_role
-from odsmith.backends.python_source import docstring, literal, reexports, string
+from odsmith.backends.python import enums as python_enums
+from odsmith.backends.python import objects as python_objects
+from odsmith.backends.python import tables as tables
+from odsmith.backends.python.names import clashes, find_role
+from odsmith.backends.python.source import docstring, literal, reexports, string
+from odsmith.errors import SpecError
 from odsmith.model import Device
 from odsmith.render import MARK, Backend
 from odsmith.vocabulary import Vocabulary
@@ -63,6 +65,8 @@ class PythonBackend(Backend):
     }
 
     def device_context(self, device: Device) -> Mapping[str, object]:
+        if found := list(clashes(device)):
+            raise SpecError(found)
         enums = list(python_enums.value_tables(device))
         flags = list(python_enums.bit_tables(device))
         conditions = sorted({row.condition for row in device.emergencies})

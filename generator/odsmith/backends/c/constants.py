@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from odsmith import names
-from odsmith.backends.c_storage import is_constant
-from odsmith.backends.c_text import Constant, Group, hexadecimal, number, signed
+from odsmith.backends.c.storage import is_constant
+from odsmith.backends.c.text import Constant, Group, hexadecimal, number, signed
 from odsmith.model import Device, Entry, Object
 
 _INT = range(-0x80000000, 0x80000000)

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from odsmith.backends.c_storage import SCOPES, Location, Scope, Storage, scope_of
+from odsmith.backends.c.storage import SCOPES, Location, Scope, Storage, scope_of
 from odsmith.canopen_types import DataType, Place
 from odsmith.errors import SpecError
 from odsmith.model import Device, Entry, Object

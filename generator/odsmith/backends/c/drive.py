@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from odsmith import names
-from odsmith.backends.c_dictionary import place_of
-from odsmith.backends.c_storage import Storage
-from odsmith.backends.c_text import Constant, Group, hexadecimal
+from odsmith.backends.c.dictionary import place_of
+from odsmith.backends.c.storage import Storage
+from odsmith.backends.c.text import Constant, Group, hexadecimal
 from odsmith.canopen_types import DataType
 from odsmith.model import Bit, Device, Emergency, Entry, HomingMethod, Mode, Object
 from odsmith.vocabulary import Led, Vocabulary

@@ -17,7 +17,7 @@ import pytest
 
 from odsmith.backends.eds import EdsBackend
 from odsmith.backends.python import PythonBackend
-from odsmith.backends.python_names import RESERVED, declared_classes, word_bits
+from odsmith.backends.python.names import RESERVED, declared_classes, word_bits
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection, Source
 from odsmith.explain import source_text
 from odsmith.model import (
