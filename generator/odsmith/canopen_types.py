@@ -23,11 +23,12 @@ NOWHERE = Place("<none>", 0, 0)
 class Source:
     """Where a fact comes from.
 
-    `kind` is the authority: the device's own manual, the vendor's EDS file, a CiA document, or `inferred`, which
-    needs a `note` that gives the reason. A fact may combine a manual section with a note.
+    `kind` is the authority: the manual that describes the device or its family, the device's own manual where that is
+    another one, the vendor's EDS file, a CiA document, or `inferred`, which needs a `note` that gives the reason. A
+    fact may combine a manual section with a note.
     """
 
-    kind: Literal["manual", "vendor_eds", "cia301", "cia303", "cia306", "cia401", "cia402", "inferred"]
+    kind: Literal["manual", "own_manual", "vendor_eds", "cia301", "cia303", "cia306", "cia401", "cia402", "inferred"]
     section: str = ""
     tables: tuple[int, ...] = ()
     figures: tuple[int, ...] = ()

@@ -8,24 +8,47 @@ from __future__ import annotations
 
 import argparse
 import gc
+import io
 import json
 import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
-from odsmith.errors import Diagnostic, SourceLines, SpecError, format_diagnostic
-from odsmith.project import UsageError
+from odsmith.errors import Diagnostic, SourceLines, SpecError, UsageError, format_diagnostic
+
+if TYPE_CHECKING:
+    from odsmith.render import Differences
+
+# Nothing that needs the extra `generator` is imported up here: whoever installed the client side alone shall read a
+# sentence, not a traceback.
 
 FINE, FINDINGS, FAILED = 0, 1, 2
 LEVELS = ("note", "warning", "error")
+
+GENERATOR_NEEDS = frozenset({"jinja2", "jsonschema_rs", "rich", "yaml"})
+"""The modules that come with the extra `generator`."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; returns the exit status."""
     options = _parser().parse_args(arguments)
     gc.disable()  # a short process: collecting garbage costs a tenth of a build and frees nothing that matters
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")  # not every terminal can show every unit
+    try:
+        status = _run(options)
+        print(end="", flush=True)
+    except BrokenPipeError:
+        # Nobody reads on. What Python flushes at its end must go somewhere, or it would complain there.
+        for stream in (sys.stdout, sys.stderr):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        return FAILED
+    return status
+
+
+def _run(options: argparse.Namespace) -> int:
     try:
         return int(options.run(options))
     except SpecError as error:
@@ -33,9 +56,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     except UsageError as error:
         return _fail(str(error), error.hint, options)
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] not in GENERATOR_NEEDS:
+            raise
+        return _fail("the generator is not installed", "pip install 'odsmith[generator]'", options)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return FAILED
+        raise
     except OSError as error:
         name = f"{error.filename}: " if error.filename else ""
         return _fail(f"{name}{error.strerror or error}", "", options)
@@ -97,17 +123,20 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _build(options: argparse.Namespace) -> int:
-    from odsmith.backends import UnknownBackendError
+    from odsmith.backends import BUILT_IN, UnknownBackendError
     from odsmith.project import compile_all, render_all, select
     from odsmith.render import compare, write
 
     compiled = compile_all(select(options.project, options.device))
-    for item in compiled:
-        _print_diagnostics(item.warnings, item.loaded.texts, options)
+    warnings = list(dict.fromkeys(warning for item in compiled for warning in item.warnings))
+    if not options.json:
+        _print_diagnostics(
+            warnings, {path: text for item in compiled for path, text in item.loaded.texts.items()}, options
+        )
     try:
         outputs = render_all(compiled, options.backend)
     except UnknownBackendError as error:
-        raise UsageError(f"there is no backend '{error}'", "built in: eds, c, python, docs") from error
+        raise UsageError(f"there is no backend `{error}`", f"built in: {', '.join(BUILT_IN)}") from error
     folder = options.out or options.project / "generated"
     differences = compare(outputs, folder) if options.check else write(outputs, folder)
     if options.json:
@@ -118,28 +147,36 @@ def _build(options: argparse.Namespace) -> int:
                 "changed": differences.changed,
                 "missing": differences.missing,
                 "left_over": differences.left_over,
+                "warnings": [warning.to_json() for warning in warnings],
             }
         )
-    elif options.check:
-        for verb, paths in (
-            ("changed", differences.changed),
-            ("missing", differences.missing),
-            ("left over", differences.left_over),
-        ):
-            for path in paths:
-                print(f"stale: {folder / path} ({verb})")
-        if differences:
-            print("run `odsmith build` and commit the result", file=sys.stderr)
-        else:
-            print(f"{len(outputs)} files in {folder} are fresh")
     else:
-        for path in sorted({*differences.changed, *differences.missing}):
-            print(f"wrote {folder / path}")
-        for path in differences.left_over:
-            print(f"removed {folder / path}")
-        written = len(differences.changed) + len(differences.missing)
-        print(f"{len(outputs)} files in {folder}, {written} written")
+        report = _print_stale if options.check else _print_written
+        report(differences, len(outputs), folder)
     return FINDINGS if options.check and differences else FINE
+
+
+def _print_stale(differences: Differences, files: int, folder: Path) -> None:
+    for verb, paths in (
+        ("changed", differences.changed),
+        ("missing", differences.missing),
+        ("left over", differences.left_over),
+    ):
+        for path in paths:
+            print(f"stale: {folder / path} ({verb})")
+    if differences:
+        print("run `odsmith build` and commit the result", file=sys.stderr)
+    else:
+        print(f"{files} files in {folder} are fresh")
+
+
+def _print_written(differences: Differences, files: int, folder: Path) -> None:
+    for path in sorted({*differences.changed, *differences.missing}):
+        print(f"wrote {folder / path}")
+    for path in differences.left_over:
+        print(f"removed {folder / path}")
+    written = len(differences.changed) + len(differences.missing)
+    print(f"{files} files in {folder}, {written} written")
 
 
 def _lint(options: argparse.Namespace) -> int:
@@ -209,7 +246,7 @@ def _explain(options: argparse.Namespace) -> int:
         names = sorted({name for device in found for name in known_names(device)})
         close = difflib.get_close_matches(term.lower().replace(" ", "_"), names, 3)
         hint = f"did you mean {' or '.join(close)}?" if close else "try an index such as 6040, a name, or EMCY 8611"
-        raise UsageError(f"nothing here is called '{term}'", hint)
+        raise UsageError(f"nothing here is called `{term}`", hint)
     if options.json:
         _print_json([answer.to_json() for answer in answers])
     else:
@@ -223,8 +260,7 @@ def _print_diagnostics(
     found: Sequence[Diagnostic], texts: Mapping[str, str], options: argparse.Namespace, stream: TextIO | None = None
 ) -> None:
     if options.json:
-        if found or options.run is _lint:
-            _print_json([diagnostic.to_json() for diagnostic in found])
+        _print_json([diagnostic.to_json() for diagnostic in found])
         return
     lines = SourceLines(texts)
     for diagnostic in found:

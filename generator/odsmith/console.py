@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from odsmith.escape import one_line
 from odsmith.explain import Explanation
 
-LABEL_WIDTH = 18
+LABEL_WIDTH = 21
 PLAIN_WIDTH = 100
 
 

@@ -32,12 +32,33 @@ _TOKEN = re.compile(
 
 
 @dataclass(frozen=True, slots=True)
+class Fix:
+    """A proposed change: lines `first` to `last` of the file become `lines`.
+
+    Without `lines` they are deleted; with a `last` before `first` the lines are inserted before line `first`.
+    """
+
+    first: int
+    last: int
+    lines: tuple[str, ...]
+
+    def __str__(self) -> str:
+        if not self.lines:
+            return "delete the line"
+        return ("insert " if self.last < self.first else "") + " / ".join(self.lines)
+
+    def to_json(self) -> dict[str, Any]:
+        return {"first": self.first, "last": self.last, "lines": list(self.lines)}
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnostic:
     """One finding.
 
     `message` is a sentence without its full stop. `length` is the number of characters to underline, 0 for the
     token that begins at `place`. A `place` with line 0 stands for the file as a whole. `notes` are further places
-    that belong to it, such as the first definition of something defined twice.
+    that belong to it, such as the first definition of something defined twice. `subject` is the path of the object
+    of a dictionary that it is about, such as `6212.axes.607D:1`; `fix` a change that would mend it.
     """
 
     rule: str
@@ -47,6 +68,8 @@ class Diagnostic:
     length: int = 0
     hint: str = ""
     notes: tuple[tuple[Place, str], ...] = ()
+    subject: str = ""
+    fix: Fix | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The diagnostic as plain data: places as path, line and column, lines and columns from 1."""
@@ -56,7 +79,9 @@ class Diagnostic:
             "message": self.message,
             **_place_json(self.place),
             "length": self.length,
+            "object": self.subject,
             "hint": self.hint,
+            "fix": self.fix.to_json() if self.fix else None,
             "notes": [{**_place_json(place), "message": text} for place, text in self.notes],
         }
 
@@ -117,14 +142,18 @@ def in_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
 def format_diagnostic(diagnostic: Diagnostic, source_lines: Callable[[str], Sequence[str]]) -> str:
     """The diagnostic as text without a newline at its end; `source_lines` gives the lines of a path.
 
-    A line `path:line:col: error[E123]: sentence`, the source line with a caret line below, then the hint and the
-    notes. Parts that are not known are left out.
+    A line `path:line:col: error[E123]: sentence`, the source line with a caret line below, then the object, the hint,
+    the fix and the notes. Parts that are not known are left out.
     """
     heading = f"{diagnostic.severity}[{diagnostic.rule}]: {visible(diagnostic.message)}"
     lines = [f"{shown_place(diagnostic.place)}: {heading}"]
     lines += _excerpt(diagnostic.place, diagnostic.length, source_lines)
+    if diagnostic.subject:
+        lines.append(f"object: {visible(diagnostic.subject)}")
     if diagnostic.hint:
         lines.append(f"hint: {visible(diagnostic.hint)}")
+    if diagnostic.fix:
+        lines.append(f"fix: {visible(str(diagnostic.fix))}")
     for place, text in diagnostic.notes:
         lines.append(f"{shown_place(place)}: note: {visible(text)}")
         lines += _excerpt(place, 0, source_lines)

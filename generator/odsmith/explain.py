@@ -66,12 +66,15 @@ def _number(term: str, digits: str = "{1,8}") -> int | None:
 
 
 def source_text(sources: tuple[Source, ...]) -> str:
-    """`section 6.1.1, tables 207, 208; CiA 402, clause 8.4`."""
+    """`manual, section 6.1.1, tables 207, 208; CiA 402, 8.4`."""
     parts = []
     for source in sources:
         if source.kind == "manual":
-            tables = f", table{'s' * (len(source.tables) > 1)} {', '.join(map(str, source.tables))}"
-            parts.append(f"manual, section {source.section}{tables if source.tables else ''}")
+            section = f"section {source.section}" if source.section else ""
+            places = (section, _numbered("table", source.tables), _numbered("figure", source.figures))
+            parts.append(", ".join(["manual", *filter(None, places)]))
+        elif source.kind == "own_manual":
+            parts.append(f"own manual, section {source.section}")
         elif source.kind == "inferred":
             parts.append(f"inferred: {source.note}")
         elif source.kind == "vendor_eds":
@@ -81,19 +84,34 @@ def source_text(sources: tuple[Source, ...]) -> str:
     return "; ".join(parts)
 
 
+def _numbered(word: str, numbers: tuple[int, ...]) -> str:
+    return f"{word}{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))}" if numbers else ""
+
+
 def _objects(device: Device, term: str) -> Iterator[Explanation]:
     address, _, sub_text = re.sub(r"sub", ":", term, flags=re.IGNORECASE).partition(":")
     index = _number(address, "{4}")
     sub = _number(sub_text, "{1,2}") if sub_text else None
+    if sub_text and sub is None:
+        index = None
     wanted = _folded(term)
     for item in device.expanded:
-        obj = item.object
-        by_index = index == item.index
-        names = {_folded(item.parameter_name)}
-        if not item.axis:  # a bare name means the first axis
-            names |= {_folded(obj.name), _folded(obj.title), _folded(obj.parameter_name)}
-        if by_index or (item.number in (0, 1, device.axes) and wanted in names) or wanted == _folded(item.title):
-            yield _object(device, item, sub if by_index else None)
+        if index == item.index:
+            if sub is None or item.object.entry(sub):
+                yield _object(device, item, sub)
+        elif wanted in _names(item):
+            yield _object(device, item, None)
+
+
+def _names(item: ExpandedObject) -> set[str]:
+    """What an object answers to; a name that does not say which axis or PDO means the first one."""
+    obj = item.object
+    spellings = [item.parameter_name]
+    if item.number:
+        spellings.append(item.title)
+    if not item.axis and item.number <= 1:
+        spellings += [obj.name, obj.title, obj.parameter_name]
+    return {_folded(spelling) for spelling in spellings}
 
 
 def _object(device: Device, item: ExpandedObject, sub: int | None) -> Explanation:
@@ -106,30 +124,29 @@ def _object(device: Device, item: ExpandedObject, sub: int | None) -> Explanatio
             rows.append(("On the axes", ", ".join(others)))
     rows.append(("Object type", obj.object_type))
     tables: list[tuple[str, tuple[Row, ...]]] = []
-    entries = [entry for entry in item.entries if sub is None or entry.entry.sub == sub]
-    for expanded in entries:
+    single = len(obj.entries) == 1
+    for expanded in item.entries:
         entry = expanded.entry
+        if sub not in (None, entry.sub):
+            continue
+        of_sub = "" if single else f" of sub-index {entry.sub:02X}h"
         default = "none stated" if expanded.default is None else _default(expanded.default.value(0), entry)
         if expanded.default is not None and expanded.default.node_id:
             default += " + node-ID"
         facts = [*_entry_rows(entry), ("Default", default)]
-        if len(obj.entries) == 1:
+        if entry.effect:
+            facts.append(("Writing it", device.effects[entry.effect].text))
+        if single:
             rows += facts
         else:
-            tables.append((f"Sub-index {entry.sub:02X}h: {entry.title}", tuple(facts)))
-        if entry.effect and entry.effect in device.effects:
-            rows.append(
-                (
-                    f"Writing it{'' if len(obj.entries) == 1 else f' (sub {entry.sub})'}",
-                    device.effects[entry.effect].text,
-                )
-            )
+            meaning = [("Meaning", entry.text)] if entry.text else []
+            tables.append((f"Sub-index {entry.sub:02X}h: {entry.title}", (*facts, *meaning)))
         if entry.values:
-            tables.append(
-                ("Values", tuple((str(value.value), f"{value.name}: {value.text}") for value in entry.values))
-            )
+            values = tuple((str(value.value), f"{value.name}: {value.text}") for value in entry.values)
+            tables.append((f"Values{of_sub}", values))
         if entry.bits:
-            tables.append(("Bits", tuple((f"bit {bit.label}", f"{bit.name}: {bit.text}") for bit in entry.bits)))
+            bits = tuple((f"bit {bit.label}", f"{bit.name}: {bit.text}") for bit in entry.bits)
+            tables.append((f"Bits{of_sub}", bits))
     modes = [mode.short for mode in device.modes if obj.name in mode.objects]
     if modes:
         rows.append(("Modes", ", ".join(modes)))
@@ -170,9 +187,10 @@ def _default(value: int | str, entry: Entry) -> str:
 
 def _emergencies(device: Device, term: str) -> Iterator[Explanation]:
     match = re.fullmatch(r"emcy\s+(.*)", term, re.IGNORECASE)
-    code = _number(match[1] if match else term, "{4}")
+    wanted = match[1] if match else term
+    code = _number(wanted, "{4}")
     for row in device.emergencies:
-        if row.code == code or _folded(term) in (_folded(row.name), _folded(row.title)):
+        if row.code == code or _folded(wanted) in (_folded(row.name), _folded(row.title)):
             yield _emergency(device, row)
 
 

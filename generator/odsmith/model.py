@@ -369,6 +369,7 @@ class Erratum:
     """A contradiction in a manual and its ruling: what is printed, what the model says, why, on what evidence.
 
     `severity` is A (a value of the dictionary) or B (a behaviour). `paths` are the model paths that it decides.
+    `vendor` is what the vendor's EDS says where ours differs: pairs of a kind of fact and its words.
     """
 
     id: str
@@ -379,6 +380,7 @@ class Erratum:
     why: str
     evidence: str
     paths: tuple[str, ...]
+    vendor: tuple[tuple[str, str], ...] = ()
     source: tuple[Source, ...] = ()
     place: Place = field(default=NOWHERE, compare=False, repr=False)
 
@@ -422,7 +424,11 @@ class EdsInfo:
 
 @dataclass(frozen=True, slots=True)
 class Identity:
-    """The device as its name plate says it."""
+    """The device as its name plate says it.
+
+    `manual` is the one that sections and tables of sources refer to; `own_manual` is the device's own where that one
+    describes its family. `vendor_eds` is the vendor's EDS file, if there is one to compare ours with.
+    """
 
     identifier: str
     name: str
@@ -441,6 +447,8 @@ class Identity:
     digital_outputs: int
     analog_inputs: int
     eds: EdsInfo
+    own_manual: str = ""
+    vendor_eds: str = ""
     firmware: tuple[Revision, ...] = ()
     changes: tuple[Revision, ...] = ()
     place: Place = field(default=NOWHERE, compare=False, repr=False)
@@ -516,11 +524,10 @@ class Device(Vocabulary):
                 return Default(0)
             mapped = pdo.map[entry.repeat]
             return Default(mapped.value + (axis * mapped.object.stride << 16))
-        return Default(
-            {
-                "pdo_transmission_type": pdo.transmission_type,
-                "pdo_inhibit_time": pdo.inhibit_time,
-                "pdo_event_timer": pdo.event_timer,
-                "pdo_mapped_count": len(pdo.map),
-            }[entry.role]
-        )
+        number = {
+            "pdo_transmission_type": pdo.transmission_type,
+            "pdo_inhibit_time": pdo.inhibit_time,
+            "pdo_event_timer": pdo.event_timer,
+            "pdo_mapped_count": len(pdo.map),
+        }.get(entry.role)
+        return entry.default if number is None else Default(number)

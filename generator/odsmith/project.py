@@ -3,25 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from odsmith.backends import BUILT_IN, backend
 from odsmith.compile import Compiled, compile_spec
-from odsmith.errors import SpecError
+from odsmith.errors import SpecError, UsageError
 from odsmith.model import Device
 from odsmith.render import Output, data_folder
 
 _ROOT = re.compile(rb"^(device|vocabulary):", re.MULTILINE)
-
-
-class UsageError(Exception):
-    """A request that cannot be carried out; `hint` is the remedy."""
-
-    def __init__(self, message: str, hint: str = "") -> None:
-        super().__init__(message)
-        self.hint = hint
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +50,7 @@ def select(folder: Path, wanted: Sequence[str]) -> list[Root]:
     """The roots that a command line names: files, names of the project, or names of the packaged spec library."""
     if not wanted:
         return roots(folder)
-    return [_select_one(folder, name) for name in wanted]
+    return list(dict.fromkeys(_select_one(folder, name) for name in wanted))
 
 
 def _select_one(folder: Path, name: str) -> Root:
@@ -97,6 +90,21 @@ def devices(compiled: Iterable[Compiled]) -> list[Device]:
 
 
 def render_all(compiled: Iterable[Compiled], names: Sequence[str] = ()) -> list[Output]:
-    """The outputs of the backends called `names` (all built-in ones if empty) for every model."""
-    chosen = [backend(name) for name in names or BUILT_IN]
-    return [output for item in compiled for each in chosen for output in each.render(item.model)]
+    """The outputs of the backends called `names` (all built-in ones if empty) for every model.
+
+    Raises UsageError where two models would write the same files, UnknownBackendError for a name that nobody has, and
+    SpecError for a model that a backend cannot put into its language.
+    """
+    compiled = list(compiled)
+    for identifier, models in Counter(item.model.identifier for item in compiled).items():
+        if models > 1:
+            raise UsageError(f"{models} of these files describe `{identifier}`", "build them into different folders")
+    chosen = [backend(name) for name in dict.fromkeys(names or BUILT_IN)]
+    outputs: list[Output] = []
+    for item in compiled:
+        try:
+            outputs += [output for each in chosen for output in each.render(item.model)]
+        except SpecError as error:
+            error.texts = item.loaded.texts
+            raise
+    return outputs

@@ -1,7 +1,9 @@
 """The registry of rules: every finding that odsmith can report, what it means and how to mend it.
 
 `check`, `lint`, `import` and `diff` share it, and the documentation prints it. The first digit tells the phase:
-E1xx reading a file, E2xx its shape, E3xx names and references, E4xx meaning, W5xx warnings.
+E1xx reading a file, E2xx its shape, E3xx names and references, E4xx meaning, W5xx warnings. Findings in EDS and DCF files
+are called L: L1xx the text, L2xx its sections, L3xx what it says of itself and the device, L4xx objects, L5xx PDOs, L6xx
+axes.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from odsmith.canopen_types import Place
-from odsmith.errors import Diagnostic, Severity
+from odsmith.errors import Diagnostic, Fix, Severity
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,10 +45,12 @@ def diagnose(
     hint: str = "",
     length: int = 0,
     notes: tuple[tuple[Place, str], ...] = (),
+    subject: str = "",
+    fix: Fix | None = None,
 ) -> Diagnostic:
     """A finding of a rule. `length` characters are underlined, 0 for the token at `place`."""
     broken = RULES[rule_id]
-    return Diagnostic(rule_id, broken.severity, message, place, length, hint or broken.hint, notes)
+    return Diagnostic(rule_id, broken.severity, message, place, length, hint or broken.hint, notes, subject, fix)
 
 
 # ---- E1xx: reading files and YAML -----------------------------------------------------------------------------------
@@ -184,7 +188,7 @@ rule(
     "E305",
     "error",
     "incomplete entry",
-    "Every entry has a data type of CiA 301 and an access, its own or its object's.",
+    "An entry has a type, an access and, if it can be written, a storage group; its own or its object's.",
 )
 rule(
     "E306",

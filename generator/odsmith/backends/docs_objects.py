@@ -367,6 +367,8 @@ def _source(source: Source) -> str:
             words.append(numbered("table", "tables", source.tables))
         if source.figures:
             words.append(numbered("figure", "figures", source.figures))
+    elif source.kind == "own_manual":
+        words = [f"own manual {source.section}"]
     else:
         words = [_AUTHORITIES[source.kind]]
         if source.clause:

@@ -8,12 +8,16 @@ from itertools import pairwise
 from odsmith.canopen_types import Access
 from odsmith.check.places import Places
 from odsmith.errors import Diagnostic
-from odsmith.model import Device, Entry, ExpandedObject, Object
+from odsmith.fields import allowed_values
+from odsmith.model import Default, Device, Entry, ExpandedObject, Object
 from odsmith.rules import diagnose
 from odsmith.vocabulary import Role
 
 MANDATORY = {0x1000: "device type", 0x1001: "error register", 0x1018: "identity object"}
 """Objects that every CANopen device has (CiA 301, clause 7.5.1)."""
+
+NODE_IDS = (1, 127)
+"""The smallest and the largest node-ID: what a default with $NODEID may become."""
 
 
 def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
@@ -110,21 +114,29 @@ class _EntryCheck:
     def numbers(self) -> Iterator[Diagnostic]:
         name, data_type, allowed = self.name, self.entry.type, self.entry.allowed
         holds = f"{data_type} holds {data_type.low}..{data_type.high}"
-        if allowed and not data_type.low <= allowed.low <= allowed.high <= data_type.high:
-            yield self.finding("E407", "range", f"the range {allowed} of {name} is outside {data_type}", holds)
-        default = self.entry.default
-        if default and not default.node_id:
-            number = default.number
-            if not data_type.low <= number <= data_type.high:
-                yield self.finding("E408", "default", f"the default {number} of {name} is outside {data_type}", holds)
-            elif allowed and number not in allowed:
-                message = f"the default {number} of {name} is not among the allowed values {allowed}"
-                yield self.finding("E409", "default", message)
+        written = allowed if allowed != allowed_values([value.value for value in self.entry.values]) else None
+        if written and not data_type.low <= written.low <= written.high <= data_type.high:
+            yield self.finding("E407", "range", f"the range {written} of {name} is outside {data_type}", holds)
+        if self.entry.default:
+            yield from self.default(self.entry.default, holds)
         for value in self.entry.values:
             if not data_type.low <= value.value <= data_type.high:
                 yield diagnose("E405", value.place, f"the value {value.value} of {name} is outside {data_type}", holds)
             elif allowed and value.value not in allowed:
                 yield diagnose("E410", value.place, f"the value {value.value} of {name} is not in its range {allowed}")
+
+    def default(self, default: Default, holds: str) -> Iterator[Diagnostic]:
+        data_type, allowed = self.entry.type, self.entry.allowed
+        for node_id in NODE_IDS if default.node_id else (0,):
+            number = default.number + node_id
+            shown = f"{number} of {self.name}" + (f" at node-ID {node_id}" if node_id else "")
+            if not data_type.low <= number <= data_type.high:
+                yield self.finding("E408", "default", f"the default {shown} is outside {data_type}", holds)
+                return
+            if allowed and number not in allowed:
+                message = f"the default {shown} is not among the allowed values {allowed}"
+                yield self.finding("E409", "default", message)
+                return
 
     def no_numbers(self) -> Iterator[Diagnostic]:
         entry = self.entry
@@ -133,6 +145,10 @@ class _EntryCheck:
         if entry.type.string and not entry.length:
             message = f"{self.name} is a {entry.type} without a length"
             yield self.finding("E413", "type", message, "add `length:` in octets")
+        octets = len((entry.default.text or "").encode()) if entry.default else 0
+        if octets > entry.length:
+            message = f"the default of {self.name} has {octets} octets, its length is {entry.length}"
+            yield self.finding("E408", "default", message)
 
     def bits(self) -> Iterator[Diagnostic]:
         bits = self.entry.bits
@@ -165,7 +181,7 @@ class _EntryCheck:
     def role(self, role: Role, has_axes: bool) -> Iterator[Diagnostic]:
         entry, name = self.entry, self.name
         scope = "pdo" if self.obj.pdo else "axis" if self.obj.per_axis else "device"
-        if role.scope != scope and has_axes:
+        if role.scope != scope and (has_axes or "pdo" in (role.scope, scope)):
             yield self.finding("E418", "role", f"the role `{role.name}` is one of each {role.scope}, {name} is not")
         if role.type is not entry.type:
             yield self.finding("E419", "role", f"the role `{role.name}` is {role.type}, {name} is {entry.type}")

@@ -30,7 +30,8 @@ def check_drive(device: Device) -> Iterator[Diagnostic]:
 def check_vocabulary(vocabulary: Vocabulary) -> Iterator[Diagnostic]:
     yield from _twice(vocabulary.abort_codes, lambda code: f"{code.code:08X}h", "abort codes", "code")
     yield from _twice(vocabulary.nmt_states, lambda state: state.code, "NMT states", "code")
-    yield from _twice(vocabulary.transitions, lambda transition: transition.number, "transitions", "number")
+    yield from _twice(vocabulary.nmt_commands, lambda command: command.code, "NMT commands", "code")
+    yield from _twice(vocabulary.mode_codes, lambda mode: mode.code, "mode codes", "code")
     yield from _reachable(vocabulary)
     yield from _ambiguous(vocabulary)
 

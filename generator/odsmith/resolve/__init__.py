@@ -21,7 +21,7 @@ from odsmith.resolve.drive import (
     resolve_modes,
     resolve_ramp,
 )
-from odsmith.resolve.objects import Words, pdo_objects, resolve_objects, resolve_pdos
+from odsmith.resolve.objects import Words, look_up_selectors, pdo_objects, resolve_objects, resolve_pdos
 from odsmith.resolve.problems import Node, Problems, section
 from odsmith.resolve.vocabulary import named, resolve_vocabulary
 from odsmith.vocabulary import Vocabulary
@@ -74,6 +74,7 @@ def _device(spec: Node, problems: Problems) -> Device:
     )
     objects = resolve_objects(spec.get("objects") or (), words, problems)
     by_name = {obj.name: obj for obj in objects}
+    look_up_selectors(by_name, problems)
     pdos = resolve_pdos(spec, by_name, problems)
     return Device(
         identifier=spec["device"]["identifier"],

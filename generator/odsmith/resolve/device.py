@@ -41,6 +41,8 @@ def resolve_identity(node: Node) -> Identity:
             modification_time=eds.get("modification_time", eds["creation_time"]),
             comments=tuple(eds.get("comments", ())),
         ),
+        own_manual=node.get("own_manual", ""),
+        vendor_eds=node.get("vendor_eds", ""),
         firmware=_revisions(node.get("firmware", ())),
         changes=_revisions(node.get("changes", ())),
         place=node.where,
@@ -74,6 +76,7 @@ def resolve_errata(spec: Node) -> tuple[Erratum, ...]:
             why=node["why"],
             evidence=node["evidence"],
             paths=tuple(node["paths"]),
+            vendor=tuple(section(node, "vendor").items()),
             source=sources(node),
             place=node.where,
         )

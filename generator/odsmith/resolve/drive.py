@@ -79,6 +79,7 @@ def resolve_modes(
     problems: Problems,
 ) -> tuple[Mode, ...]:
     """The modes of operation, ascending by code."""
+    errata = frozenset(node["id"] for node in spec.get("errata") or ())
     found = []
     for name, number in numbers.items():
         node = section(spec, "modes")[name]
@@ -88,7 +89,8 @@ def resolve_modes(
         if ramp:
             problems.look_up(objects, ramp, node.place("slow_down_ramp"), "object")
         status_bits = read_bits(section(node, "statusword"), problems)
-        reader = _Recipes(objects, pds_states, pds_commands, _bit_names(status_bits, objects), problems)
+        status_names = _bit_names(status_bits, objects)
+        reader = _Recipes(objects, pds_states, pds_commands, status_names, errata, problems)
         found.append(
             Mode(
                 name=name,
@@ -124,12 +126,14 @@ class _Recipes:
         pds_states: frozenset[str],
         pds_commands: frozenset[str],
         status_bits: frozenset[str],
+        errata: frozenset[str],
         problems: Problems,
     ) -> None:
         self.objects = objects
         self.pds_states = pds_states
         self.pds_commands = pds_commands
         self.status_bits = status_bits
+        self.errata = errata
         self.problems = problems
 
     def recipe(self, name: str, node: Node) -> Recipe:
@@ -139,6 +143,8 @@ class _Recipes:
     def step(self, node: Node) -> Step:
         arguments: list[tuple[str, int | str]] = []
         text, added = node.get("text", ""), node.get("added", "")
+        if added and added not in self.errata:
+            self.problems.unknown(added, self.errata, node.place("added"), "erratum")
         if "write" in node:
             for name, value in node["write"].items():
                 arguments.append((name, self.value(name, value, node["write"])))

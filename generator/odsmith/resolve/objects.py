@@ -82,7 +82,12 @@ def _object(node: Node, words: Words, problems: Problems) -> Object:
             "make it `object_type: ARRAY` or `RECORD`, or drop `subs`",
         )
     if object_type is ObjectType.VAR:
-        naming = {"name": node["name"], "title": node["title"], "parameter_name": parameter_name}
+        naming = {
+            "name": node["name"],
+            "title": node["title"],
+            "parameter_name": parameter_name,
+            "text": node["text"],
+        }
         entries: tuple[Entry, ...] = (_EntryReader(node, node, words, problems).read(0, naming),)
     else:
         entries = _sub_entries(node, words, problems)
@@ -114,8 +119,10 @@ def _index(node: Node, words: Words, problems: Problems) -> int:
 def _sub_entries(node: Node, words: Words, problems: Problems) -> tuple[Entry, ...]:
     entries: list[Entry] = []
     elements: dict[str, int] = {}  # how many elements of an array role are taken
-    for key, sub_node in node["subs"].items():
-        sub = problems.read(parse_number, node["subs"].key_place(key), key, otherwise=0)
+    subs = node["subs"]
+    numbers = {key: problems.read(parse_number, subs.key_place(key), key, otherwise=0) for key in subs}
+    for key, sub in sorted(numbers.items(), key=lambda item: item[1]):
+        sub_node = subs[key]
         reader = _EntryReader(sub_node, node, words, problems)
         for ordinal, naming in enumerate(_namings(sub_node, words, problems)):
             role = sub_node.get("role", "")
@@ -138,10 +145,11 @@ def _sub_entries(node: Node, words: Words, problems: Problems) -> tuple[Entry, .
 
 
 def _namings(node: Node, words: Words, problems: Problems) -> list[dict[str, str]]:
-    """The names of an entry, once for each time that it is repeated."""
+    """The names and the text of an entry, once for each time that it is repeated."""
     names = {
         "name": node["name"],
         "title": node.get("title", node["name"].replace("_", " ").capitalize()),
+        "text": node.get("text", ""),
     }
     names["parameter_name"] = node.get("parameter_name", names["title"])
     repeat = node.get("repeat")
@@ -195,9 +203,9 @@ class _EntryReader:
         data_type = DataType(self.stated("type", "type: UNSIGNED32", "UNSIGNED32"))
         values = self.values()
         default = self.default(data_type)
-        length = self.get("length")[0] or 0
-        if data_type.string and default and default.text is not None:
-            length = max(length, len(default.text.encode()))
+        length, _ = self.get("length")
+        if length is None:
+            length = len(default.text.encode()) if default and default.text else 0
         access = Access(self.stated("access", "access: ro", "ro"))
         return Entry(
             sub=sub,
@@ -205,7 +213,6 @@ class _EntryReader:
             access=access,
             mapping=PdoDirection(self.get("mapping")[0] or "no"),
             default=default,
-            text=_numbered(self.node.get("text", ""), ordinal),
             length=length,
             allowed=self.allowed(values),
             values=values,
@@ -268,7 +275,7 @@ class _EntryReader:
         value = self.node.get("default")
         if value is None:
             return None
-        if value == "$MODES":
+        if value == "$MODES" and data_type.integer:
             return Default(self.words.supported_modes)
         return self.problems.read(parse_default, self.node.place("default"), value, data_type, otherwise=None)
 
@@ -287,6 +294,8 @@ class _EntryReader:
 
     def stored(self, access: Access) -> str:
         value, owner = self.get("stored")
+        if value is None and access is Access.RW:
+            self.stated("stored", "stored: never", "never")
         if value is None or not access.writable:
             return "never"
         if value != "never" and value not in self.words.storage_groups:
@@ -320,6 +329,14 @@ def read_bits(node: Node, problems: Problems) -> tuple[Bit, ...]:
             continue
         found.append(Bit(low, high, item["name"], item["text"], item.get("supported", True), item.where))
     return tuple(sorted(found, key=lambda bit: bit.low))
+
+
+def look_up_selectors(objects: Mapping[str, Object], problems: Problems) -> None:
+    """Report units in use whose choice is made by an object that the device does not have."""
+    units = {entry.unit.name: entry.unit for obj in objects.values() for entry in obj.entries if entry.unit}
+    for unit in units.values():
+        if unit.selected_by:
+            problems.look_up(objects, unit.selected_by, unit.place, "object")
 
 
 def resolve_pdos(spec: Node, objects: Mapping[str, Object], problems: Problems) -> tuple[Pdo, ...]:

@@ -81,6 +81,8 @@ def sources(node: Node) -> tuple[Source, ...]:
                     figures=tuple(item.get("figures", ())),
                 )
             )
+        if "own_section" in item:
+            found.append(Source("own_manual", section=str(item["own_section"])))
         found += [
             Source(kind, clause=str(item[kind]))
             for kind in ("vendor_eds", "cia301", "cia303", "cia306", "cia401", "cia402")

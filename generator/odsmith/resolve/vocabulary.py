@@ -60,7 +60,7 @@ def resolve_vocabulary(spec: Node, problems: Problems) -> dict[str, Any]:
             ModeCode(name, node["code"], node.get("bit"), node["short"], node["title"], node.where)
             for name, node in section(spec, "mode_codes").items()
         ),
-        "units": {name: _unit(name, node, problems) for name, node in section(spec, "units").items()},
+        "units": _units(section(spec, "units"), problems),
         "leds": tuple(_led(name, node) for name, node in section(spec, "leds").items()),
     }
     fields.update(_nmt(section(spec, "nmt"), problems))
@@ -86,6 +86,15 @@ def _role(name: str, node: Node) -> Role:
         node.get("length", 0),
         node.where,
     )
+
+
+def _units(nodes: Node, problems: Problems) -> dict[str, Unit]:
+    units = {name: _unit(name, node, problems) for name, node in nodes.items()}
+    for name in units:
+        options = section(nodes[name], "options")
+        for value, option in options.items():
+            problems.look_up(units, option, options.place(value), "unit")
+    return units
 
 
 def _unit(name: str, node: Node, problems: Problems) -> Unit:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from odsmith.backends.c_storage import scope_of
+from odsmith.backends.c.storage import scope_of
 from odsmith.canopen_types import DataType
 from odsmith.model import Allowed, Device, Entry, ExpandedEntry, ExpandedObject
 from odsmith.vocabulary import Vocabulary

@@ -15,6 +15,7 @@ extern "C" {
 /* Values of the device. */
 typedef struct {
     uint32_t cob_id_sync; /* 1005h: CAN-ID of the SYNC that drives synchronous PDOs. */
+    uint32_t serial_number; /* 1018h:04, the number of this one device; 0 is none. */
     uint32_t cob_id_emcy; /* 1014h: CAN-ID of emergency messages and whether there are any. */
     uint32_t consumer_heartbeat_time[4]; /* 1016h: watched nodes and their times. */
     uint32_t tmcl_mode; /* 1 while the module obeys direct TMCL commands instead of CiA 402. */
@@ -77,6 +78,10 @@ typedef struct {
     int32_t software_position_limit_maximum; /* Largest position allowed. */
     uint32_t stop_on_stall; /* Speed above which a stall stops the axis; 0 is off. */
     uint32_t switch_parameters; /* Which limit and home switches count and their polarity. */
+    uint32_t encoder_increments; /* Increments of the encoder in these revolutions of the motor. */
+    uint32_t encoder_motor_revolutions; /* Revolutions that the increments belong to. */
+    int32_t latched_internal_position; /* Demanded position at the latched index pulse. */
+    int32_t latched_encoder_position; /* Actual position at the latched index pulse. */
     uint16_t controlword; /* Last controlword written; edges are found against it. */
     uint16_t statusword; /* State and status bits; made anew in each tick and each turn. */
     uint16_t actual_load_value; /* Load measured by the motor driver; 0 means stall. */
@@ -92,6 +97,8 @@ typedef struct {
     uint16_t brake_delay_times_apply; /* Time that the brake takes to hold. */
     uint16_t brake_delay_times_release; /* Time that the brake takes to open. */
     uint16_t enable_drive_delay_time; /* Time that the power stage takes to hold the motor. */
+    uint16_t fullstep_resolution; /* Full steps per revolution of the motor. */
+    int16_t sensor_selection_code; /* Where the velocity actual value comes from. */
     int8_t modes_of_operation; /* Requested mode. */
     int8_t modes_of_operation_display; /* Mode in force. */
     uint8_t driver_error_flags; /* Error flags of the motor driver. */
@@ -107,6 +114,10 @@ typedef struct {
     uint8_t brake_current_feed_apply; /* Current into an applied brake. */
     uint8_t brake_current_feed_release; /* Current into a released brake. */
     uint8_t velocity_dimension_index; /* Unit of velocities and accelerations. */
+    uint8_t encoder_polarity; /* Bit 0: the level at which the N channel is active. */
+    uint8_t encoder_direction; /* Bit 0: the encoder counts against the motor. */
+    uint8_t encoder_init_position; /* Bit 0: power-up starts the ramp from the encoder. */
+    uint8_t encoder_latch_mode; /* Bit 0: latch the next index pulse; bit 1: latch each. */
 } ods_axis_values_t;
 
 /* Parameters of one PDO. Its mapping stands behind them: see ods_pdo_mapping(). */

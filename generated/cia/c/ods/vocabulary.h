@@ -349,6 +349,12 @@ typedef enum {
      * converted; the acceleration index follows.
      */
     ODS_EFFECT_UNIT_SELECTION,
+    /*
+     * The encoder is read in the new way from the next tick on. The actual position stays what it was and counts on
+     * from there.
+     */
+    ODS_EFFECT_ENCODER_PARAMETER,
+    ODS_EFFECT_ENCODER_LATCH, /* The new mode counts for the next index pulse. The latched positions stay until then. */
     ODS_EFFECT_DRIVER_PARAMETER, /* Handed to the motor driver as it is; no motion logic depends on it. */
     ODS_EFFECTS,
 } ods_effect_t;

@@ -251,6 +251,17 @@ class Effect(choices.Word):
             "converted; the acceleration index follows."
         ),
     )
+    ENCODER_PARAMETER = (
+        "encoder_parameter",
+        (
+            "The encoder is read in the new way from the next tick on. The actual position stays what it was and "
+            "counts on from there."
+        ),
+    )
+    ENCODER_LATCH = (
+        "encoder_latch",
+        "The new mode counts for the next index pulse. The latched positions stay until then.",
+    )
     DRIVER_PARAMETER = "driver_parameter", "Handed to the motor driver as it is; no motion logic depends on it."
 
 
