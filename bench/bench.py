@@ -16,8 +16,11 @@ from synthetic import synthetic_spec
 
 ROOT = Path(__file__).parent.parent
 BIN = Path(sys.executable).parent
-DEVICE = "tmcm3230"
-EDS = ROOT / "generated" / DEVICE / "eds" / "TMCM-3230.eds"
+GENERATED = ROOT / "generated"
+EDS_FILES = {
+    "tmcm3230": GENERATED / "tmcm3230" / "eds" / "TMCM-3230.eds",
+    "tmcm6212": GENERATED / "tmcm6212" / "eds" / "TMCM-6212.eds",
+}
 
 TIMED = "import time; start = time.perf_counter(); {}; print(time.perf_counter() - start)"
 
@@ -25,54 +28,53 @@ TIMED = "import time; start = time.perf_counter(); {}; print(time.perf_counter()
 BUILD_ANEW = """
 import shutil, sys
 from odsmith.cli import main
-device, project, out = sys.argv[1:]
+project, out, *devices = sys.argv[1:]
 shutil.rmtree(out, ignore_errors=True)
-sys.exit(main(["build", device, "--project", project, "--out", out]))
+sys.exit(main(["build", *devices, "--project", project, "--out", out]))
 """
 
 
-def bench_build(folder: Path, runs: int) -> None:
-    """A full build of one device into a new folder, and a check of it, beside dcf2dev on the EDS."""
-    out = folder / "out"
-    build = Series("odsmith build, every artefact", [sys.executable, "-c", BUILD_ANEW, DEVICE, ROOT, out])
-    checking: list[str | Path] = [
+def bench_build(folder: Path, runs: int, *devices: str) -> None:
+    """A full build of devices into a new folder, and a check of it, beside dcf2dev on the EDS of the last one."""
+    out = folder / "-".join(devices)
+    build = Series("odsmith build, every artefact", [sys.executable, "-c", BUILD_ANEW, ROOT, out, *devices])
+    command: list[str | Path] = [
         sys.executable,
         "-m",
         "odsmith.cli",
         "build",
-        DEVICE,
+        *devices,
         "--project",
         ROOT,
         "--out",
         out,
-        "--check",
     ]
-    check = Series("odsmith build --check", checking)
-    peer = Series("dcf2dev, C alone, from the EDS", [BIN / "dcf2dev", EDS, DEVICE])
+    check = Series("odsmith build --check", [*command, "--check"])
+    peer = Series(f"dcf2dev, C alone, {devices[-1]}", [BIN / "dcf2dev", EDS_FILES[devices[-1]], devices[-1]])
     measure([build, check, peer], runs)
-    report("Build of the TMCM-3230", [build, check, peer], peer)
+    report(f"Build of {', '.join(devices)}", [build, check, peer], peer)
 
 
-def bench_import(folder: Path, runs: int) -> None:
+def bench_import(folder: Path, runs: int, device: str) -> None:
     """Importing the bindings beside reading the EDS; the time inside the process, after its start."""
-    shutil.copytree(ROOT / "generated" / DEVICE / "python" / DEVICE, folder / "site" / DEVICE)
+    shutil.copytree(GENERATED / device / "python" / device, folder / "site" / device)
     path = f"import sys; sys.path.insert(0, {str(folder / 'site')!r}); "
 
     def bindings(name: str, statements: str) -> Series:
         return Series(name, [sys.executable, "-c", path + TIMED.format(statements)], True)
 
-    import_eds = "import canopen; " + TIMED.format(f"canopen.import_od({str(EDS)!r})")
+    import_eds = "import canopen; " + TIMED.format(f"canopen.import_od({str(EDS_FILES[device])!r})")
     eds = Series("canopen.import_od of the EDS", [sys.executable, "-c", import_eds], True)
     series = [
-        bindings(f"import {DEVICE}", f"import {DEVICE}"),
-        bindings("... and its dictionary", f"from {DEVICE} import DICTIONARY"),
-        bindings("... and the first look-up in it", f"from {DEVICE} import DICTIONARY; DICTIONARY[0x6840]"),
-        bindings("... or the first enumeration", f"from {DEVICE} import DICTIONARY, HomingMethod"),
-        bindings("... or the first flags", f"from {DEVICE} import DICTIONARY, Statusword"),
+        bindings(f"import {device}", f"import {device}"),
+        bindings("... and its dictionary", f"from {device} import DICTIONARY"),
+        bindings("... and the first look-up in it", f"from {device} import DICTIONARY; DICTIONARY[0x6840]"),
+        bindings("... or the first enumeration", f"from {device} import DICTIONARY, HomingMethod"),
+        bindings("... or the first flags", f"from {device} import DICTIONARY, Statusword"),
         eds,
     ]
     measure(series, runs)
-    report("Import of the bindings", series, eds)
+    report(f"Import of the bindings of {device}", series, eds)
 
 
 def bench_growth(folder: Path, runs: int) -> None:
@@ -100,8 +102,10 @@ def main() -> None:
     runs = parser.parse_args().runs
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        bench_build(folder, runs)
-        bench_import(folder, 2 * runs + 1)
+        bench_build(folder, runs, "tmcm3230")
+        bench_build(folder, runs, "cia", "tmcm3230", "tmcm6212")
+        bench_import(folder, 2 * runs + 1, "tmcm3230")
+        bench_import(folder, 2 * runs + 1, "tmcm6212")
         bench_growth(folder, max(3, runs // 3))
 
 

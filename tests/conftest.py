@@ -59,6 +59,11 @@ def tmcm3230() -> Device:
 
 
 @pytest.fixture(scope="session")
+def tmcm6212() -> Device:
+    return _device("tmcm6212.yaml")
+
+
+@pytest.fixture(scope="session")
 def io_module() -> Device:
     """A device without axes."""
     return _device("examples/io_module.yaml")

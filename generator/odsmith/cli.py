@@ -12,7 +12,8 @@ import io
 import json
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 # Nothing that needs the extra `generator` is imported up here: whoever installed the client side alone shall read a
 # sentence, not a traceback.
+
+Looked = tuple[Sequence[Diagnostic], Mapping[str, str]]
 
 FINE, FINDINGS, FAILED = 0, 1, 2
 LEVELS = ("note", "warning", "error")
@@ -104,9 +107,16 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("--backend", action="append", default=[], metavar="NAME", help="run only this one; repeatable")
     build.set_defaults(run=_build)
 
-    lint = commands.add_parser("lint", parents=[common], help="report errors and warnings of specs")
-    lint.add_argument("device", nargs="*", help="a device of the project, or a YAML file (default: all of spec/)")
-    lint.add_argument("--fail-on", choices=LEVELS, default="warning", help="the level that makes exit status 1")
+    lint = commands.add_parser("lint", parents=[common], help="report what is wrong with specs, EDS and DCF files")
+    lint.add_argument(
+        "device", nargs="*", help="a device of the project, or a YAML, EDS or DCF file (default: all of spec/)"
+    )
+    lint.add_argument(
+        "--format", choices=("text", "json", "sarif"), default="text", help="how findings are written (default: text)"
+    )
+    lint.add_argument(
+        "--fail-on", choices=(*LEVELS, "never"), default="warning", help="the level that makes exit status 1"
+    )
     lint.set_defaults(run=_lint)
 
     listing = commands.add_parser("list", parents=[common], help="list the devices and what they have")
@@ -119,6 +129,15 @@ def _parser() -> argparse.ArgumentParser:
     )
     explain.add_argument("--device", action="append", default=[], help="look only here; repeatable")
     explain.set_defaults(run=_explain)
+
+    coverage = commands.add_parser(
+        "coverage", parents=[common], help="say what of its manual a device models, and where it differs"
+    )
+    coverage.add_argument("device", nargs="*", help="a device of the project, or a YAML file (default: all of spec/)")
+    coverage.add_argument(
+        "--manual", type=Path, metavar="FILE", help="the text of the manual, to be compared cell by cell; of one device"
+    )
+    coverage.set_defaults(run=_coverage)
     return parser
 
 
@@ -180,29 +199,61 @@ def _print_written(differences: Differences, files: int, folder: Path) -> None:
 
 
 def _lint(options: argparse.Namespace) -> int:
-    from odsmith.compile import compile_spec
-    from odsmith.project import select
-
+    options.json = options.json or options.format == "json"
     findings: list[Diagnostic] = []
     texts: dict[str, str] = {}
     broken = False
-    for root in select(options.project, options.device):
+    for look in _subjects(options):
         try:
-            compiled = compile_spec(root.path)
-            findings += compiled.warnings
-            texts |= compiled.loaded.texts
+            found, read = look()
         except SpecError as error:
-            findings += error.diagnostics
-            texts |= error.texts
+            found, read = error.diagnostics, error.texts
             broken = True
+        findings += found
+        texts |= read
     unique = list(dict.fromkeys(findings))
-    _print_diagnostics(unique, texts, options, stream=sys.stdout)
-    if not options.json:
-        print(f"{len(unique)} finding{'' if len(unique) == 1 else 's'}")
+    if options.format == "sarif":
+        from odsmith.lint.sarif import sarif
+
+        _print_json(sarif(unique))
+    else:
+        _print_diagnostics(unique, texts, options, stream=sys.stdout)
+        if not options.json:
+            print(f"{len(unique)} finding{'' if len(unique) == 1 else 's'}")
     if broken:
         return FAILED
-    threshold = LEVELS.index(options.fail_on)
-    return FINDINGS if any(LEVELS.index(finding.severity) >= threshold for finding in unique) else FINE
+    levels = LEVELS[LEVELS.index(options.fail_on) :] if options.fail_on in LEVELS else ()
+    return FINDINGS if any(finding.severity in levels for finding in unique) else FINE
+
+
+def _subjects(options: argparse.Namespace) -> Iterator[Callable[[], Looked]]:
+    """What is to be looked at: each gives its findings, and the texts of the files that they are about."""
+    from odsmith.eds_file import is_eds
+
+    specs = [name for name in options.device if not is_eds(Path(name))]
+    for name in dict.fromkeys(options.device):
+        if name not in specs:
+            yield partial(_lint_eds, Path(name))
+    if specs or not options.device:
+        from odsmith.project import select  # a data sheet alone needs no YAML
+
+        for root in select(options.project, specs):
+            yield partial(_lint_spec, root.path)
+
+
+def _lint_eds(path: Path) -> Looked:
+    from odsmith.eds_file import read
+    from odsmith.lint import lint
+
+    file = read(path)
+    return lint(file), {file.path: file.text}
+
+
+def _lint_spec(path: Path) -> Looked:
+    from odsmith.compile import compile_spec
+
+    compiled = compile_spec(path)
+    return compiled.warnings, compiled.loaded.texts
 
 
 def _list(options: argparse.Namespace) -> int:
@@ -254,6 +305,24 @@ def _explain(options: argparse.Namespace) -> int:
 
         print_explanations(answers)
     return FINE
+
+
+def _coverage(options: argparse.Namespace) -> int:
+    from odsmith.coverage.command import cover
+    from odsmith.coverage.report import print_summary, print_tables, to_json
+    from odsmith.project import compile_all, select
+
+    compiled = compile_all(select(options.project, options.device))
+    found, texts = cover(compiled, options.manual, named=bool(options.device))
+    if options.json:
+        _print_json([to_json(item) for item in found])
+    for position, item in enumerate(found if not options.json else ()):
+        print(end="\n" if position else "")
+        print_tables(item)
+        _print_diagnostics(item.findings, texts, options, stream=sys.stdout)
+        print_summary(item)
+    broken = any(finding.severity == "error" for item in found for finding in item.findings)
+    return FINDINGS if broken else FINE
 
 
 def _print_diagnostics(

@@ -281,6 +281,7 @@ def _errata(device: Device, term: str) -> Iterator[Explanation]:
                 ("Modelled", erratum.modelled),
                 ("Why", erratum.why),
                 ("Evidence", erratum.evidence),
+                *((f"The vendor's EDS, {fact}", said) for fact, said in erratum.vendor if device.identity.vendor_eds),
                 ("Decides", ", ".join(erratum.paths)),
                 ("Source", source_text(erratum.source)),
             )

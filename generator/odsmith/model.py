@@ -16,6 +16,7 @@ from functools import cached_property
 from typing import Literal
 
 from odsmith.canopen_types import NOWHERE, Access, DataType, ObjectType, PdoDirection, Place, Source
+from odsmith.manual import Manual
 from odsmith.vocabulary import Named, Signature, Unit, Vocabulary
 
 
@@ -380,8 +381,8 @@ class Erratum:
     why: str
     evidence: str
     paths: tuple[str, ...]
-    vendor: tuple[tuple[str, str], ...] = ()
     source: tuple[Source, ...] = ()
+    vendor: tuple[tuple[str, str], ...] = ()
     place: Place = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -470,6 +471,7 @@ class Device(Vocabulary):
     storage_groups: Mapping[str, Named]
     emergencies: tuple[Emergency, ...]
     errata: tuple[Erratum, ...]
+    manuals: Mapping[str, Manual] = field(default_factory=dict)
 
     def object(self, name: str) -> Object | None:
         """The folded object of this name."""
@@ -478,6 +480,11 @@ class Device(Vocabulary):
     @cached_property
     def _by_name(self) -> dict[str, Object]:
         return {obj.name: obj for obj in self.objects}
+
+    @property
+    def manual(self) -> Manual | None:
+        """What the device's own manual contains, where the spec says it."""
+        return self.manuals.get(self.identifier)
 
     def pdos_of(self, kind: PdoKind) -> tuple[Pdo, ...]:
         """The PDOs of axis 0 of one direction, ascending."""

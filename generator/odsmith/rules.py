@@ -1,9 +1,9 @@
 """The registry of rules: every finding that odsmith can report, what it means and how to mend it.
 
-`check`, `lint`, `import` and `diff` share it, and the documentation prints it. The first digit tells the phase:
-E1xx reading a file, E2xx its shape, E3xx names and references, E4xx meaning, W5xx warnings. Findings in EDS and DCF files
-are called L: L1xx the text, L2xx its sections, L3xx what it says of itself and the device, L4xx objects, L5xx PDOs, L6xx
-axes.
+`check`, `lint`, `coverage`, `import` and `diff` share it, and the documentation prints it. The first digit tells the
+phase: E1xx reading a file, E2xx its shape, E3xx names and references, E4xx meaning, W5xx warnings, E7xx and W7xx the
+model beside the manual. Findings in EDS and DCF files begin with L: L1xx the text, L2xx its sections, L3xx what it says
+of itself and the device, L4xx objects, L5xx PDOs, L6xx axes.
 """
 
 from __future__ import annotations
@@ -241,6 +241,400 @@ rule("E455", "error", "EDS name too long", "Importers cut or refuse longer names
 rule("E471", "error", "beyond the C tables", "The packed tables of the C runtime have fixed widths and strides.")
 rule("E472", "error", "constants collide in C", "C has one name space for all constants of a header.")
 
+# ---- E7xx: coverage, the model held against a manual ----------------------------------------------------------------
+rule(
+    "E701",
+    "error",
+    "table not accounted for",
+    "A table of the manual is modelled, or listed with the reason why it holds no fact about the device.",
+    "let the `source` of an element name it, or add it to `without_facts` of the manual",
+)
+rule("E702", "error", "source not in the manual", "A source names a section or table that the manual does not have.")
+rule(
+    "E703",
+    "error",
+    "model differs from the manual",
+    "Where the model says something else than a table of the manual, an erratum says why.",
+    "correct the model, or write an erratum that names the element in `paths` and the table in `source`",
+)
+rule(
+    "E704",
+    "error",
+    "contents differ from the manual",
+    "The account is worth no more than the list of sections and tables that it goes by.",
+    "correct `manuals` after the text of the manual",
+)
+
+# ---- L1xx: the text of EDS and DCF files ----------------------------------------------------------------------------
+rule("L100", "error", "not an EDS", "The file has none of the sections that CiA 306 describes.", "name an EDS or a DCF")
+rule(
+    "L101",
+    "error",
+    "byte order mark",
+    "Readers compare the first bytes with `[FileInfo]` and refuse a file that begins with anything else.",
+    "save the file as ASCII, without a byte order mark",
+)
+rule(
+    "L102",
+    "warning",
+    "something before FileInfo",
+    "Some readers tell an EDS by its first bytes; one takes a file that begins with a comment for JSON.",
+    "delete the lines before `[FileInfo]`, or move them into `[Comments]`",
+)
+rule(
+    "L103",
+    "error",
+    "character outside ASCII",
+    "CiA 306 allows printable ASCII. What other bytes mean depends on the machine that reads them.",
+    "write it in ASCII",
+)
+rule(
+    "L104",
+    "warning",
+    "lines without CRLF",
+    "CiA 306 ends each line in CR LF; tools on Windows see one long line otherwise.",
+    "convert the line ends, and keep the version control from changing them",
+)
+rule("L105", "warning", "last line not ended", "Readers that look for the end of a line lose the last key.")
+rule(
+    "L106",
+    "error",
+    "line too long",
+    "CiA 306 allows 255 characters a line; a reader with a buffer of that size reads the rest as another line.",
+    "shorten the value",
+)
+rule(
+    "L107",
+    "warning",
+    "comment outside Comments",
+    "CiA 306 keeps comments in `[Comments]`; not every reader skips a line that begins with `;`.",
+    "move it into `[Comments]`",
+)
+rule("L108", "error", "line without meaning", "A line is a section, a key with a value, or blank.")
+rule("L109", "warning", "stray blanks", "Not every reader strips the blanks around sections, keys and values.")
+rule("L110", "error", "section not closed", "The name of a section stands alone on its line, in brackets.")
+rule(
+    "L111",
+    "error",
+    "comment sign in a value",
+    "A blank with `;` or `#` behind it begins a comment for some readers: they lose the rest of the value.",
+    "write it without the sign",
+)
+rule(
+    "L112",
+    "warning",
+    "second equals sign",
+    "Readers need not agree on which of the two divides the line.",
+    "write the value without it",
+)
+rule("L113", "error", "key given twice", "One reader takes the first, another the last, a third refuses the file.")
+rule("L114", "error", "section given twice", "One reader takes the first, another the last, a third refuses the file.")
+rule(
+    "L115",
+    "error",
+    "number without digits",
+    "A key without a value is no number, and some readers fail on it.",
+    "give the number, or leave the key out",
+)
+rule(
+    "L116",
+    "error",
+    "leading zeros",
+    "A decimal number with a leading zero is octal to some readers and refused by others.",
+    "write it without the zeros, or with `0x`",
+)
+rule("L117", "error", "not a number", "A number is decimal, or hexadecimal with `0x`.")
+rule("L118", "error", "neither 0 nor 1", "The key answers a question with yes or no.")
+
+# ---- L2xx: the sections of EDS and DCF files ------------------------------------------------------------------------
+rule(
+    "L201",
+    "error",
+    "section spelt otherwise",
+    "Some readers compare the names of sections letter by letter, and a blank in one made a reader say that the file "
+    "is no EDS.",
+)
+rule(
+    "L202",
+    "warning",
+    "unknown section",
+    "CiA 306 does not know the section: a misprint, or an extension that strict readers refuse.",
+)
+rule("L203", "error", "section missing", "Readers expect it, and some fail without it.")
+rule(
+    "L204",
+    "warning",
+    "section out of order",
+    "The order that every reader takes is FileInfo, DeviceInfo, DummyUsage, Comments, the lists of mandatory, optional "
+    "and manufacturer's objects, then the objects, ascending.",
+)
+rule(
+    "L205",
+    "warning",
+    "unknown key",
+    "CiA 306 does not know the key: a misprint, or an extension that strict readers refuse.",
+    "delete the line, or correct the name",
+)
+rule("L206", "note", "key spelt otherwise", "Case does not count, but a strict reader may think otherwise.")
+rule(
+    "L207",
+    "error",
+    "dummy missing",
+    "The keys Dummy0001 to Dummy0007 say which types may fill gaps in a PDO; a widespread reader fails without them.",
+)
+rule(
+    "L208", "warning", "comments miscounted", "`Lines` counts the lines of `[Comments]`, which are called Line1, Line2."
+)
+rule("L211", "error", "list miscounted", "Readers read as many objects as `SupportedObjects` announces, and no more.")
+rule("L212", "warning", "count not decimal", "Strict readers take `SupportedObjects` as a decimal number.")
+rule(
+    "L213",
+    "error",
+    "list misnumbered",
+    "The items of a list are numbered from 1 without holes; readers look for each number.",
+    "number the items anew",
+)
+rule("L214", "warning", "index spelt otherwise", "Every reader takes `0x1000`; other spellings are a matter of luck.")
+rule(
+    "L215",
+    "error",
+    "object listed twice",
+    "An object is in one list, once.",
+    "delete one of the two and renumber the list",
+)
+rule(
+    "L216",
+    "error",
+    "object in the wrong list",
+    "1000h, 1001h and 1018h are mandatory, 2000h to 5FFFh are the manufacturer's, all others are optional (CiA 301).",
+    "move it, and renumber both lists",
+)
+rule(
+    "L217",
+    "error",
+    "object without a section",
+    "A list promises an object that the file does not describe.",
+    "describe the object, or take it from the list",
+)
+rule("L218", "error", "object not listed", "Readers go by the lists: they never see the object.")
+rule("L219", "error", "mandatory object missing", "CiA 301 demands 1000h, 1001h and 1018h of every device.")
+
+# ---- L3xx: what a file says of itself and of the device -------------------------------------------------------------
+rule("L301", "warning", "key missing", "Tools show or use it, and some fail without it.")
+rule(
+    "L302",
+    "warning",
+    "other file name",
+    "Tools store the file under the name that it gives, or warn.",
+    "rename the file, or correct the name",
+)
+rule("L303", "error", "version too large", "FileVersion and FileRevision are UNSIGNED8 (CiA 306).")
+rule("L304", "warning", "other EDS version", "4.0 is the version of the format that tools know.")
+rule("L305", "warning", "not a time", "Times are written `hh:mmAM` or `hh:mmPM`.")
+rule("L306", "warning", "not a date", "Dates are written `mm-dd-yyyy`.")
+rule(
+    "L307",
+    "error",
+    "bit rate without a key",
+    "CiA 306 has keys for 10, 20, 50, 125, 250, 500, 800 and 1000 kbit/s; strict readers refuse any other.",
+    "say it in `[Comments]`",
+)
+rule(
+    "L309",
+    "error",
+    "PDOs miscounted",
+    "Masters reserve as many PDOs as `NrOfRXPDO` and `NrOfTXPDO` announce: they are the number of communication "
+    "parameter objects.",
+)
+rule(
+    "L310",
+    "error",
+    "two identities",
+    "A master compares the identity object 1018h with the device; a file that says it in two ways fits no device.",
+    "correct the one that is wrong",
+)
+rule(
+    "L311",
+    "warning",
+    "identity without value",
+    "Masters compare the defaults of 1018h with the device to find the right file. Only a serial number has none, for "
+    "it differs between devices.",
+)
+rule(
+    "L312",
+    "warning",
+    "wrong granularity",
+    "The granularity of a mapping in bits: 8 for bytes. 0 means fixed: tools then do not offer to change the mapping.",
+)
+rule("L321", "error", "node-ID unreadable", "The node-ID of a DCF is a decimal number from 1 to 127.")
+rule(
+    "L322",
+    "warning",
+    "parameter value in an EDS",
+    "An EDS describes a type of devices. The value of one device belongs into a DCF.",
+    "delete the line, or add [DeviceComissioning] and make it a DCF",
+)
+rule(
+    "L323",
+    "error",
+    "node-ID not resolved",
+    "A DCF is about one device: its node-ID is known, and readers download the value as it stands.",
+    "write the value for this node-ID",
+)
+rule("L324", "note", "value is the default", "A ParameterValue that changes nothing costs a download at every start.")
+
+# ---- L4xx: objects and values of EDS and DCF files ------------------------------------------------------------------
+rule("L401", "error", "object incomplete", "Every object has a name, every value a data type and an access.")
+rule(
+    "L402", "error", "unknown object type", "Objects are variables (0x7), arrays (0x8), records (0x9) or domains (0x2)."
+)
+rule("L403", "error", "unknown data type", "The data types of a dictionary are those of CiA 301, table 44.")
+rule("L404", "error", "unknown access", "The access is ro, wo, rw, rwr, rww or const, in lower case.")
+rule("L405", "warning", "misplaced key", "Values have a type, an access and a default; arrays and records have values.")
+rule("L406", "error", "sub-indices of a variable", "Only arrays and records have sub-indices.", "set ObjectType to 0x9")
+rule(
+    "L407",
+    "error",
+    "sub-indices miscounted",
+    "SubNumber counts the sections of the sub-indices, sub-index 0 included; readers look for as many.",
+)
+rule(
+    "L408",
+    "error",
+    "wrong sub-index 0",
+    "Sub-index 0 of an array or record is UNSIGNED8 and read-only, but where it counts mapped objects or errors "
+    "(CiA 301).",
+)
+rule("L409", "error", "wrong highest sub-index", "The value of sub-index 0 is the highest sub-index (CiA 301, 7.4.5).")
+rule(
+    "L410",
+    "error",
+    "compact sub-indices",
+    "Many readers do not know CompactSubObj, and see an object without sub-indices.",
+    "write a section for each sub-index",
+)
+rule("L411", "error", "sub-index without its object", "Readers find a sub-index through its object.")
+rule(
+    "L412",
+    "warning",
+    "name given twice",
+    "Programs look objects up by their ParameterName, and find only one of the two.",
+    "add what tells them apart, such as the number of the axis",
+)
+rule(
+    "L413",
+    "note",
+    "long name of a PDO",
+    "The names of PDO parameters become names of frames in other formats, which allow 32 characters.",
+)
+rule(
+    "L414",
+    "warning",
+    "wrong ObjFlags",
+    "Bit 0 keeps tools from writing a command when they scan a device or download a configuration. A parameter with it "
+    "is never written.",
+)
+rule(
+    "L415",
+    "warning",
+    "wrong device type",
+    "Masters choose their driver by the profile number in the low word of 1000h. Of a drive with several axes they "
+    "count the axes by 67FFh and its like at a distance of 800h (CiA 402).",
+)
+rule(
+    "L421",
+    "error",
+    "negative number as unsigned",
+    "A negative value in hexadecimal is positive, and too large, to most readers.",
+    "write signed types in decimal",
+)
+rule(
+    "L422",
+    "note",
+    "signed number in hexadecimal",
+    "Signed types are written in decimal, so that no reader has to guess about the highest bit.",
+)
+rule("L423", "error", "value outside its type", "The data type cannot hold the value.")
+rule("L424", "error", "limits reversed", "The lower limit is above the higher one, so that no value is allowed.")
+rule("L425", "error", "default outside the limits", "A tool that downloads defaults would be refused by the device.")
+rule(
+    "L426",
+    "warning",
+    "limits missing",
+    "No device allows every value here (CiA 301, CiA 402), but a tool that knows no limits writes any.",
+    "add LowLimit and HighLimit",
+)
+rule("L427", "error", "node-ID spelt otherwise", "Strict readers know `$NODEID+0x200` and no other form.")
+rule(
+    "L428",
+    "warning",
+    "CAN-ID without node-ID",
+    "Two devices of this type would send with the same CAN-ID.",
+    "write it as `$NODEID+0x...`",
+)
+rule(
+    "L429",
+    "warning",
+    "default of a command",
+    "Some tools write the default of every writable object: that of a command runs it.",
+)
+rule(
+    "L430",
+    "warning",
+    "default of node-ID or bit rate",
+    "Some tools write the default of every writable object, and would give each device the same node-ID.",
+)
+rule(
+    "L431",
+    "warning",
+    "default of text",
+    "Readers do not agree on how a text, octets or a floating point number is written: one fails on a default without "
+    "quotes, another keeps the quotes.",
+)
+rule("L432", "error", "limits of text", "Only numbers have limits.")
+
+# ---- L5xx: PDOs of EDS and DCF files --------------------------------------------------------------------------------
+rule("L501", "error", "half a PDO", "A PDO has a communication and a mapping parameter object, at the same distance.")
+rule("L502", "warning", "mapping without default", "Masters take the mapping at power-on from the file.")
+rule("L503", "error", "mapping of what does not exist", "The file describes no such object or sub-index.")
+rule(
+    "L504", "error", "mapping of what is not mappable", "A PDO carries objects with PDOMapping=1, and allowed dummies."
+)
+rule(
+    "L505", "error", "wrong length in a mapping", "The low byte of a mapping entry is the length of the object in bits."
+)
+rule("L506", "error", "PDO over 64 bits", "A CAN frame carries 8 bytes.", "map fewer objects")
+rule("L507", "error", "mapping against access", "An RPDO writes what it carries, a TPDO reads it.")
+rule("L508", "error", "mapping with a hole", "Sub-index 0 counts the objects in force, which come first.")
+rule(
+    "L509",
+    "warning",
+    "CAN-ID shared by PDOs",
+    "Two active PDOs with one CAN-ID are allowed by CiA 301, but rarely meant.",
+    "disable one of them (bit 31), or give it another CAN-ID",
+)
+rule(
+    "L510",
+    "warning",
+    "PDO access without mapping",
+    "rww and rwr say how a PDO carries the object.",
+    "set PDOMapping to 1, or the access to rw",
+)
+rule("L511", "error", "reserved transmission type", "CiA 301 gives the values between 240 and 252 no meaning.")
+
+# ---- L6xx: axes of EDS and DCF files --------------------------------------------------------------------------------
+rule(
+    "L601",
+    "warning",
+    "axes differ",
+    "All axes have the same objects, so that what works with one works with all. A difference is mostly a mistake in "
+    "one of them.",
+    "make the axes alike",
+)
+rule("L602", "warning", "names of axes differ", "Programs build the name of an object from the number of its axis.")
+rule("L603", "note", "names of sub-indices differ", "A sub-index has one name on every axis.")
+rule("L604", "warning", "object missing on an axis", "Other axes have it, and programs expect it on each.")
+
 # ---- W5xx: warnings -------------------------------------------------------------------------------------------------
 rule(
     "W501",
@@ -250,3 +644,27 @@ rule(
     "disable one of them (bit 31), or give it another CAN-ID",
 )
 rule("W502", "warning", "erratum decides nothing", "A path of an erratum names nothing that the device has.")
+
+# ---- W7xx: warnings of coverage -------------------------------------------------------------------------------------
+rule(
+    "W701",
+    "warning",
+    "modelled though without facts",
+    "An element cites a section or table that is listed as holding no fact about the device.",
+    "take it off the list, or correct the source",
+)
+rule(
+    "W702",
+    "warning",
+    "section not accounted for",
+    "Nothing cites the section, and it is not listed as holding no fact about the device.",
+    "let the `source` of an element name it, or add it to `without_facts` of the manual",
+)
+rule("W703", "warning", "element without source", "Whoever doubts a fact wants to know who says so.", "add a `source`")
+rule(
+    "W704",
+    "warning",
+    "table not compared",
+    "The heading of the table is none that a reader knows, or its cells have lost the tabs between them.",
+    "compare it by eye",
+)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -83,8 +84,8 @@ def _run(python: Path, *arguments: str | Path, cwd: Path, fine: bool = True) -> 
 
 def test_an_installed_wheel_builds_the_bytes_of_the_checkout(root: Path, wheel: Path, tmp_path: Path) -> None:
     python = _environment(tmp_path / "env", wheel, "jinja2", "jsonschema-rs", "pyyaml", "rich")
-    _run(python, "-m", "odsmith.cli", "build", "cia", "tmcm3230", "--out", tmp_path / "out", cwd=tmp_path)
-    for device in ("cia", "tmcm3230"):
+    _run(python, "-m", "odsmith.cli", "build", "cia", "tmcm3230", "tmcm6212", "--out", tmp_path / "out", cwd=tmp_path)
+    for device in ("cia", "tmcm3230", "tmcm6212"):
         built = {
             path.relative_to(tmp_path / "out"): path.read_bytes()
             for path in (tmp_path / "out" / device).rglob("*")
@@ -121,3 +122,21 @@ def test_the_wheel_has_no_file_too_many(wheel: Path) -> None:
     for needed in ("odsmith/spec/schema.json", "odsmith/spec/trinamic/motor.yaml", "odsmith/py.typed"):
         assert needed in names
     assert any(name.startswith("odsmith/templates/c/") for name in names)
+
+
+def test_a_device_package_is_a_distribution_of_its_own(root: Path, wheel: Path, tmp_path: Path) -> None:
+    source = tmp_path / "source"
+    shutil.copytree(root / "generated" / "tmcm3230" / "python", source)
+    subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", tmp_path, source],
+        check=True,
+    )
+    python = _environment(tmp_path / "env", wheel)
+    package = next(tmp_path.glob("tmcm3230-*.whl"))
+    subprocess.run(
+        [sys.executable, "-m", "pip", "--python", python, "install", "--quiet", "--no-deps", "--no-index", package],
+        check=True,
+    )
+    program = "import tmcm3230; print(tmcm3230.__spec_version__, tmcm3230.DICTIONARY['Controlword 2'].index)"
+    version = package.name.split("-")[1]
+    assert _run(python, "-c", program, cwd=tmp_path).stdout == f"{version} {0x6840}\n"

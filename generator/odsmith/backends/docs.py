@@ -10,6 +10,7 @@ from typing import Any
 
 from odsmith import escape
 from odsmith.backends import docs_view
+from odsmith.backends.docs_coverage import coverage_view
 from odsmith.backends.docs_diagram import Arrow, draw
 from odsmith.backends.docs_links import element_links, hexadecimal, mentions, pages
 from odsmith.backends.docs_objects import EDS_AXES, ObjectWriter
@@ -77,6 +78,8 @@ class DocsBackend(Backend):
             "leds": writer.leds(),
             "groups": list(writer.groups()),
             "errata": writer.errata_list(),
+            "differences": writer.differences(),
+            "coverage": coverage_view(device, elements, read),
             "source": writer.source,
         }
 

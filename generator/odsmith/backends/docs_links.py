@@ -58,6 +58,10 @@ def _pages(device: Device) -> Iterator[tuple[Page, bool]]:
     yield Page("storage.md", "Storage", "what is kept over a reset, and how"), bool(device.storage_groups)
     errata = f"{len(device.errata)} places where the manual contradicts itself or a standard"
     yield Page("errata.md", "Errata", errata), bool(device.errata)
+    differences = sum(len(erratum.vendor) for erratum in device.errata)
+    vendor = f"{differences} ways in which our EDS differs from it, with the decision"
+    yield Page("vendor-eds.md", "The vendor's EDS", vendor), bool(device.identity.vendor_eds and differences)
+    yield Page("coverage.md", "Coverage", "what each section and table of the manual became"), bool(device.manual)
     changes = bool(device.identity.firmware or device.identity.changes)
     yield Page("changes.md", "Changes", "revisions of the firmware and of this model"), changes
 

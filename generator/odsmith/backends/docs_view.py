@@ -168,8 +168,20 @@ class ErratumView(NamedTuple):
     modelled: Rich
     why: Rich
     evidence: Rich
+    vendor: Rich
     paths: Rich
     source: Rich
+
+
+class DifferenceView(NamedTuple):
+    """One kind of fact in which our EDS differs from the vendor's: where, what each says, and why."""
+
+    fact: str
+    where: Rich
+    vendor: Rich
+    ours: Rich
+    why: Rich
+    erratum: Rich
 
 
 class GroupView(NamedTuple):
@@ -536,6 +548,42 @@ class DeviceWriter:
     def errata_list(self) -> tuple[ErratumView, ...]:
         return tuple(self._erratum(erratum) for erratum in self.device.errata)
 
+    def _vendor(self, erratum: Erratum) -> Rich:
+        """What the vendor's EDS says of it, if there is one of this device to compare with."""
+        if not self.device.identity.vendor_eds:
+            return ()
+        return joined(((Piece(f"{fact}: "), *self.read(said)) for fact, said in erratum.vendor), "; ")
+
+    def differences(self) -> tuple[DifferenceView, ...]:
+        """Where our EDS differs from the vendor's, by the kind of fact: what the errata say of it."""
+        found = ((fact, said, erratum) for erratum in self.device.errata for fact, said in erratum.vendor)
+        return tuple(
+            DifferenceView(
+                fact=fact,
+                where=self._where(erratum),
+                vendor=self.read(said),
+                ours=self.read(erratum.modelled),
+                why=self.read(erratum.why),
+                erratum=self.element(f"errata.{erratum.id}", erratum.id),
+            )
+            for fact, said, erratum in sorted(found, key=lambda item: FACTS.index(item[0]))
+        )
+
+    def _where(self, erratum: Erratum) -> Rich:
+        """The objects and PDOs that an erratum decides, each once; all of them if it names the whole section."""
+        if "objects" in erratum.paths:
+            return plain("all objects")
+        places: dict[str, Rich] = {}
+        for path in erratum.paths:
+            section, name, *rest = (*path.split("."), "")
+            obj = self.device.object(name) if section == "objects" else None
+            if obj:
+                places[obj.name] = self.element(f"objects.{obj.name}", hexadecimal(obj.index))
+            elif section == "pdos" and rest:
+                number = f"{name.upper()} {rest[0]}"
+                places[number] = self.element(f"pdos.{name}.{rest[0]}", number)
+        return joined(places.values())
+
     def _erratum(self, erratum: Erratum) -> ErratumView:
         severities = {"A": "a value", "B": "a behaviour", "C": "wording"}
         return ErratumView(
@@ -546,9 +594,14 @@ class DeviceWriter:
             modelled=self.read(erratum.modelled),
             why=self.read(erratum.why),
             evidence=self.read(erratum.evidence),
+            vendor=self._vendor(erratum),
             paths=joined(code(path, link_of(path, self.elements)) for path in erratum.paths),
             source=self.source(erratum.source),
         )
+
+
+FACTS = ("existence", "name", "type", "access", "mapping", "default", "limits", "flags")
+"""The kinds of facts in which two EDS files can differ, in the order in which the reference lists them."""
 
 
 # ---- words -----------------------------------------------------------------------------------------------------------

@@ -21,6 +21,7 @@ from odsmith.resolve.drive import (
     resolve_modes,
     resolve_ramp,
 )
+from odsmith.resolve.manuals import resolve_manuals
 from odsmith.resolve.objects import Words, look_up_selectors, pdo_objects, resolve_objects, resolve_pdos
 from odsmith.resolve.problems import Node, Problems, section
 from odsmith.resolve.vocabulary import named, resolve_vocabulary
@@ -98,6 +99,7 @@ def _device(spec: Node, problems: Problems) -> Device:
         storage_groups=words.storage_groups,
         emergencies=resolve_emergencies(spec, vocabulary, problems),
         errata=resolve_errata(spec),
+        manuals=resolve_manuals(spec, problems),
         **vocabulary,
     )
 

@@ -76,8 +76,8 @@ def resolve_errata(spec: Node) -> tuple[Erratum, ...]:
             why=node["why"],
             evidence=node["evidence"],
             paths=tuple(node["paths"]),
-            vendor=tuple(section(node, "vendor").items()),
             source=sources(node),
+            vendor=tuple(section(node, "vendor").items()),
             place=node.where,
         )
         for node in spec.get("errata") or ()

@@ -13,6 +13,7 @@ from odsmith.canopen_types import NOWHERE, Place
 from odsmith.errors import (
     WINDOW,
     Diagnostic,
+    Fix,
     SourceLines,
     SpecError,
     did_you_mean,
@@ -151,9 +152,25 @@ def test_json_form() -> None:
         "line": 1,
         "column": 2,
         "length": 3,
+        "object": "",
         "hint": "h",
+        "fix": None,
         "notes": [{"path": "b", "line": 4, "column": 5, "message": "n"}],
     }
+
+
+def test_object_and_fix_are_shown_and_in_json() -> None:
+    fix = Fix(3, 3, ("Default=1",))
+    found = Diagnostic("L1", "error", "m", Place("a", 0, 0), hint="h", subject="6212.axes.607D:1", fix=fix)
+    assert format_diagnostic(found, SourceLines({})).split("\n")[1:] == [
+        "object: 6212.axes.607D:1",
+        "hint: h",
+        "fix: Default=1",
+    ]
+    assert found.to_json()["object"] == "6212.axes.607D:1"
+    assert found.to_json()["fix"] == {"first": 3, "last": 3, "lines": ["Default=1"]}
+    assert str(Fix(3, 3, ())) == "delete the line"
+    assert str(Fix(4, 3, ("a", "b"))) == "insert a / b"
 
 
 def test_paths_below_the_current_directory_are_relative(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 import odsmith
+from odsmith.backends.docs import DocsBackend
 from odsmith.canopen_types import Place
 from odsmith.rules import RULES, diagnose, rule
+from odsmith.vocabulary import Vocabulary
 
 HERE = Place("a.yaml", 1, 2)
 
@@ -18,8 +20,11 @@ def test_ids_are_unique_sorted_and_fit_their_severity() -> None:
     assert list(RULES) == sorted(RULES)
     for rule_id, found in RULES.items():
         assert found.id == rule_id
-        assert re.fullmatch(r"E[1-4]\d\d|W5\d\d", rule_id)
-        assert (found.severity == "error") == rule_id.startswith("E")
+        assert re.fullmatch(r"E[1-47]\d\d|L[1-6]\d\d|W[57]\d\d", rule_id)
+        if not rule_id.startswith(
+            "L"
+        ):  # a data sheet has no phases, so that its rules are ordered by what they are about
+            assert (found.severity == "error") == rule_id.startswith("E")
 
 
 def test_every_rule_explains_itself() -> None:
@@ -47,5 +52,11 @@ def test_diagnose_uses_the_rule() -> None:
 def test_every_rule_is_used_and_every_used_rule_exists() -> None:
     folder = Path(odsmith.__file__).parent
     sources = "".join(path.read_text("utf-8") for path in folder.rglob("*.py") if path.name != "rules.py")
-    used = set(re.findall(r'"([EW]\d{3})"', sources))
+    used = set(re.findall(r'"([ELW]\d{3})"', sources))
     assert used == set(RULES)
+
+
+def test_every_rule_has_an_anchor_in_the_reference(vocabulary: Vocabulary) -> None:
+    pages = {output.path: output.content.decode("utf-8") for output in DocsBackend().render(vocabulary)}
+    (page,) = [content for path, content in pages.items() if path.endswith("rules.md")]
+    assert re.findall(r'^## <a id="(\w+)"></a>\1 \S', page, re.MULTILINE) == list(RULES)

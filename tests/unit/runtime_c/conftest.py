@@ -53,12 +53,13 @@ def ctree(
     tmp_path_factory: pytest.TempPathFactory,
     root: Path,
     tmcm3230: Device,
+    tmcm6212: Device,
     io_module: Device,
     toy: Device,
     vocabulary: Vocabulary,
 ) -> CTree:
     folder = tmp_path_factory.mktemp("generated")
-    for model in (tmcm3230, io_module, toy, vocabulary):
+    for model in (tmcm3230, tmcm6212, io_module, toy, vocabulary):
         write(CBackend().render(model), folder)
     return CTree(folder, root / "runtime_c")
 

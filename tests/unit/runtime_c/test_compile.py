@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-DEVICES = ("tmcm3230", "io_module", "toy")
+DEVICES = ("tmcm3230", "tmcm6212", "io_module", "toy")
 
 CORTEX_M4 = ("-mcpu=cortex-m4", "-mthumb", "-Os", "-ffreestanding")
 

@@ -16,7 +16,7 @@ Dump = Callable[..., list[str]]
 NODE_ID = 5
 """That of dump_od.c."""
 
-DEVICES = ("tmcm3230", "io_module", "toy")
+DEVICES = ("tmcm3230", "tmcm6212", "io_module", "toy")
 
 BUILDS = [
     pytest.param("cc", (), id="cc"),

@@ -78,8 +78,8 @@ typedef struct {
     int32_t software_position_limit_maximum; /* Largest position allowed. */
     uint32_t stop_on_stall; /* Speed above which a stall stops the axis; 0 is off. */
     uint32_t switch_parameters; /* Which limit and home switches count and their polarity. */
-    uint32_t encoder_increments; /* Increments of the encoder in these revolutions of the motor. */
-    uint32_t encoder_motor_revolutions; /* Revolutions that the increments belong to. */
+    uint32_t encoder_increments; /* Increments of the encoder; 0 takes it out of use. */
+    uint32_t encoder_motor_revolutions; /* Motor revolutions that they belong to. */
     int32_t latched_internal_position; /* Demanded position at the latched index pulse. */
     int32_t latched_encoder_position; /* Actual position at the latched index pulse. */
     uint16_t controlword; /* Last controlword written; edges are found against it. */

@@ -6,7 +6,7 @@ Codes and words that every device and the runtimes share.
 
 from odsmith_runtime import load_on_use
 
-__spec_digest__ = "867fe9ba17c5c7d4"
+__spec_digest__ = "cd6601e33cf57535"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -788,7 +788,7 @@ ROLES: dict[str, Role] = {
         type="UNSIGNED32",
         count=1,
         length=0,
-        text="Increments of the encoder in these revolutions of the motor.",
+        text="Increments of the encoder; 0 takes it out of use.",
     ),
     "encoder_motor_revolutions": Role(
         name="encoder_motor_revolutions",
@@ -796,7 +796,7 @@ ROLES: dict[str, Role] = {
         type="UNSIGNED32",
         count=1,
         length=0,
-        text="Revolutions that the increments belong to.",
+        text="Motor revolutions that they belong to.",
     ),
     "encoder_polarity": Role(
         name="encoder_polarity",

@@ -101,7 +101,7 @@ UNITS: dict[str, Unit] = {
         base="increment",
         numerator=1,
         denominator=1,
-        text="Increments of an encoder, four for each of its lines.",
+        text="Increments of an encoder.",
         selected_by="",
         options=(),
     ),

@@ -9,7 +9,7 @@ module adds eight general purpose inputs, eight general purpose outputs and an a
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "236f360f3f985571"
+__spec_digest__ = "941be3581e448b69"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -16,6 +17,7 @@ from markdown_it import MarkdownIt
 
 from odsmith import escape
 from odsmith.backends.docs import DocsBackend
+from odsmith.backends.docs_view import FACTS
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection, Source
 from odsmith.model import (
     Allowed,
@@ -62,7 +64,11 @@ HOSTILE = (
     "# h\n| cell |\n```\n~~~\n<b onclick=x> \\ \\| {{ j }} {% j %} *e* _e_ 6040h! 8611h E1 target_position "
     "</td></table>"
 )
-SOURCE = (Source("manual", HOSTILE, (1, 2), (3,), "", HOSTILE), Source("inferred", note=HOSTILE))
+SOURCE = (
+    Source("manual", HOSTILE, (1, 2), (3,), "", HOSTILE),
+    Source("own_manual", HOSTILE),
+    Source("inferred", note=HOSTILE),
+)
 
 
 # ---- a small device in which every text is hostile -------------------------------------------------------------------
@@ -161,6 +167,8 @@ TOY = Device(
         order_code=HOSTILE,
         profile=402,
         manual=HOSTILE,
+        own_manual=HOSTILE,
+        vendor_eds=HOSTILE,
         bit_rates=(125, 250),
         digital_inputs=1,
         digital_outputs=2,
@@ -234,6 +242,7 @@ TOY = Device(
             HOSTILE,
             ("objects.controlword.access", "modes.profile_position", "pds.transitions.1", "nowhere.at_all"),
             SOURCE,
+            (("access", HOSTILE), ("default", HOSTILE)),
         ),
     ),
     roles={},
@@ -434,7 +443,7 @@ def test_a_hostile_text_arrives_as_it_was_written(toy: dict[str, str]) -> None:
     # Only back-ticks around a stretch of code go, and white space is folded.
     wanted = escape.one_line(HOSTILE).replace("`", "")
     assert wanted in folded(reading(toy["index.html"]).words).replace("`", "")
-    for file in ("objects-profile.md", "emergencies.md", "errata.md", "modes.md", "state-machine.md"):
+    for file in ("objects-profile.md", "emergencies.md", "errata.md", "vendor-eds.md", "modes.md", "state-machine.md"):
         assert wanted in folded(rendered(toy[file]).words).replace("`", ""), file
 
 
@@ -610,6 +619,29 @@ def test_what_a_device_lacks_has_no_page(section: str, file: str) -> None:
     assert file not in found
     assert file not in found["README.md"]
     assert f'<section id="{file.removesuffix(".md")}"' not in found["index.html"]
+
+
+def test_differences_from_the_vendors_eds_stand_in_a_table_by_fact(tmcm6212: Device) -> None:
+    found = pages(tmcm6212)
+    rows = [line.split(" | ") for line in found["vendor-eds.md"].splitlines() if line.startswith("| ")][1:]
+    wanted = [(fact, erratum.id) for erratum in tmcm6212.errata for fact, _ in erratum.vendor]
+    assert sorted((row[0][2:], row[-1].split("]")[0][1:]) for row in rows) == sorted(wanted)
+    assert [row[0][2:] for row in rows] == sorted((row[0][2:] for row in rows), key=FACTS.index)
+    default = next(row for row in rows if "#E113" in row[-1])
+    assert default[1:3] == ["[20B9h](objects-manufacturer.md#20B9h)", "0"]
+    assert '<section id="vendor-eds"' in found["index.html"]
+    assert "| The vendor's EDS | default: 0 |" in found["errata.md"]
+
+
+def test_a_device_without_a_vendors_eds_does_not_compare(drive: dict[str, str]) -> None:
+    assert "vendor-eds.md" not in drive
+    assert "| The vendor's EDS |" not in drive["errata.md"]
+    assert 'id="vendor-eds"' not in drive["index.html"]
+
+
+def test_facts_are_those_of_the_schema(root: Path) -> None:
+    schema = json.loads((root / "spec" / "schema.json").read_text(encoding="utf-8"))
+    assert schema["$defs"]["erratum"]["properties"]["vendor"]["propertyNames"]["enum"] == list(FACTS)
 
 
 def test_a_device_without_axes_says_nothing_about_axes(io_module: Device) -> None:

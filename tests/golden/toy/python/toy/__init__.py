@@ -7,7 +7,7 @@ A drive with two axes.
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "495a1fb757557e02"
+__spec_digest__ = "f98be53454b24632"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -63,7 +63,7 @@ def test_deterministic(files: dict[str, str], tmcm3230: Device) -> None:
     assert rendered(tmcm3230).items() <= files.items()
 
 
-@pytest.mark.parametrize("model", ["tmcm3230", "io_module", "vocabulary"])
+@pytest.mark.parametrize("model", ["tmcm3230", "tmcm6212", "io_module", "vocabulary"])
 def test_formatted(
     model: str, tool: Callable[[str], str], root: Path, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:

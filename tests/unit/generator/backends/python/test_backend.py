@@ -173,10 +173,11 @@ def hostile(value: Any, field: str = "") -> Any:
 
 @pytest.fixture(scope="module")
 def packages(
-    tmcm3230: Device, io_module: Device, tmp_path_factory: pytest.TempPathFactory
+    tmcm3230: Device, tmcm6212: Device, io_module: Device, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[dict[str, Package]]:
     models = {
         "tmcm3230": tmcm3230,
+        "tmcm6212": tmcm6212,
         "io_module": io_module,
         "tiny": tiny_device(io_module),
         "hostile": hostile(tmcm3230),
@@ -190,7 +191,7 @@ def packages(
             del sys.modules[name]
 
 
-@pytest.fixture(scope="module", params=["tmcm3230", "io_module", "tiny", "hostile"])
+@pytest.fixture(scope="module", params=["tmcm3230", "tmcm6212", "io_module", "tiny", "hostile"])
 def package(request: pytest.FixtureRequest, packages: dict[str, Package]) -> Package:
     return packages[request.param]
 
