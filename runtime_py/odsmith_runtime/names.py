@@ -63,6 +63,7 @@ class _Attribute:
         return made
 
     def make(self, holder: Names) -> Any:
+        """What the name stands for in this holder; each kind of name has its own."""
         raise NotImplementedError
 
 

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from odsmith.backends.docs_text import Piece, Reader, Rich, code, joined, plain
+from odsmith.backends.docs.text import Piece, Reader, Rich, code, joined, plain
 from odsmith.coverage.account import FEW, Line, Status, account, share
 from odsmith.coverage.elements import Element
 from odsmith.model import Device

@@ -13,7 +13,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from odsmith.backends.docs_text import Piece, Reader, Rich, code, joined, plain
+from odsmith.backends.docs.text import Piece, Reader, Rich, code, joined, plain
 from odsmith.errors import SpecError
 from odsmith.load import parse
 from odsmith.render import data_folder

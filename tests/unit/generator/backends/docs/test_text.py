@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from markdown_it import MarkdownIt
 
 from odsmith import escape
-from odsmith.backends.docs_text import Piece, Reader, code, html, html_link, joined, markdown, plain
+from odsmith.backends.docs.text import Piece, Reader, code, html, html_link, joined, markdown, plain
 
 LINKS = {"6040h": "objects-profile.md#6040h", "E20": "errata.md#E20", "target_position": "objects-profile.md#607Ah"}
 TRICKY = st.lists(

@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from odsmith.backends.docs_diagram import PORT, Arrow, Drawing, Wire, draw
+from odsmith.backends.docs.diagram import PORT, Arrow, Drawing, Wire, draw
 from odsmith.model import Device
 
 STATES = ["s0", "s1", "s2", "s3", "s4"]

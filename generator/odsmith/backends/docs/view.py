@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from typing import NamedTuple
 
-from odsmith.backends.docs_links import hexadecimal, link_of
-from odsmith.backends.docs_objects import (
+from odsmith.backends.docs.links import hexadecimal, link_of
+from odsmith.backends.docs.objects import (
     BitRow,
     bit_row,
     default_text,
@@ -16,7 +16,7 @@ from odsmith.backends.docs_objects import (
     numbered_title,
     sources,
 )
-from odsmith.backends.docs_text import Piece, Reader, Rich, code, joined, plain
+from odsmith.backends.docs.text import Piece, Reader, Rich, code, joined, plain
 from odsmith.canopen_types import Source
 from odsmith.model import Device, Emergency, Entry, Erratum, Mode, Object, Pdo, Recipe, Step
 from odsmith.vocabulary import LedPattern, PdsCommand, PdsState, Transition

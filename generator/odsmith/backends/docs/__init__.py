@@ -1,6 +1,6 @@
 """The reference: Markdown pages that a repository shows, and one HTML page that needs nothing else.
 
-Each fact is put into words once (`docs_objects`, `docs_view`); the templates lay the words out, twice.
+Each fact is put into words once (`objects`, `view`); the templates lay the words out, twice.
 """
 
 from __future__ import annotations
@@ -9,12 +9,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from odsmith import escape
-from odsmith.backends import docs_view
-from odsmith.backends.docs_coverage import coverage_view
-from odsmith.backends.docs_diagram import Arrow, draw
-from odsmith.backends.docs_links import element_links, hexadecimal, mentions, pages
-from odsmith.backends.docs_objects import EDS_AXES, ObjectWriter
-from odsmith.backends.docs_text import Reader, html, html_link, markdown, markdown_code
+from odsmith.backends.docs import view as docs_view
+from odsmith.backends.docs.coverage import coverage_view
+from odsmith.backends.docs.diagram import Arrow, draw
+from odsmith.backends.docs.links import element_links, hexadecimal, mentions, pages
+from odsmith.backends.docs.objects import EDS_AXES, ObjectWriter
+from odsmith.backends.docs.text import Reader, html, html_link, markdown, markdown_code
 from odsmith.model import Device
 from odsmith.render import MARK, Backend, Output
 from odsmith.vocabulary import Vocabulary
@@ -84,7 +84,7 @@ class DocsBackend(Backend):
         }
 
     def vocabulary_context(self, vocabulary: Vocabulary) -> Mapping[str, object]:
-        from odsmith.backends.docs_format import manual, read_schema  # a device's build has no use for these
+        from odsmith.backends.docs.format import manual, read_schema  # a device's build has no use for these
         from odsmith.rules import RULES
 
         read = Reader({})

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from odsmith.backends.docs import DocsBackend
-from odsmith.backends.docs_format import Definition, flow, manual, read_schema
-from odsmith.backends.docs_text import Rich
+from odsmith.backends.docs.format import Definition, flow, manual, read_schema
+from odsmith.backends.docs.text import Rich
 from odsmith.load import parse
 from odsmith.rules import RULES
 from odsmith.vocabulary import Vocabulary

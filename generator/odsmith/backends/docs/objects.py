@@ -7,8 +7,8 @@ from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import NamedTuple
 
-from odsmith.backends.docs_links import OBJECT_PAGES, axis_indices, hexadecimal
-from odsmith.backends.docs_text import Piece, Reader, Rich, code, joined, plain
+from odsmith.backends.docs.links import OBJECT_PAGES, axis_indices, hexadecimal
+from odsmith.backends.docs.text import Piece, Reader, Rich, code, joined, plain
 from odsmith.canopen_types import Access, ObjectType, PdoDirection, Source
 from odsmith.model import Bit, Default, Device, Entry, Erratum, Mode, NamedValue, Object
 from odsmith.vocabulary import Unit

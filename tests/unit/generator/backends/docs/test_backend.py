@@ -17,7 +17,7 @@ from markdown_it import MarkdownIt
 
 from odsmith import escape
 from odsmith.backends.docs import DocsBackend
-from odsmith.backends.docs_view import FACTS
+from odsmith.backends.docs.view import FACTS
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection, Source
 from odsmith.model import (
     Allowed,
