@@ -285,12 +285,12 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _explain(options: argparse.Namespace) -> int:
-    from odsmith.explain import explain, known_names
+    from odsmith.explain import explain, explain_rule, known_names
     from odsmith.project import compile_all, devices, select
 
     term = " ".join(options.term)
     found = devices(compile_all(select(options.project, options.device)))
-    answers = [answer for device in found for answer in explain(device, term)]
+    answers = [*(answer for device in found for answer in explain(device, term)), *explain_rule(term)]
     if not answers:
         import difflib
 

@@ -49,11 +49,15 @@ def print_explanations(answers: Sequence[Explanation]) -> None:
     for number, answer in enumerate(answers):
         if number:
             print()
-        print(f"{answer.title} ({answer.kind}, {answer.device})")
+        print(_heading(answer))
         _print_rows(answer.rows)
         for title, rows in answer.tables:
             print(f"  {title}")
             _print_rows(rows)
+
+
+def _heading(answer: Explanation) -> str:
+    return f"{answer.title} ({', '.join(filter(None, (answer.kind, answer.device)))})"
 
 
 def _print_rows(rows: Sequence[tuple[str, str]]) -> None:
@@ -83,5 +87,5 @@ def _print_rich(answers: Sequence[Explanation]) -> None:
         parts: list[Table | Text] = [grid(answer.rows)]
         for title, rows in answer.tables:
             parts += [Text(f"\n{one_line(title)}", style="bold"), grid(rows)]
-        title_text = Text(f"{answer.title} ({answer.kind}, {answer.device})", style="bold")
+        title_text = Text(_heading(answer), style="bold")
         console.print(Panel(Group(*parts), title=title_text, title_align="left"))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from odsmith.canopen_types import Source
 from odsmith.model import Device, Emergency, Entry, ExpandedObject
+from odsmith.rules import RULES
 
 Row = tuple[str, str]
 
@@ -42,6 +43,15 @@ def explain(device: Device, term: str) -> list[Explanation]:
     for search in (_objects, _emergencies, _abort_codes, _modes, _states, _homing_methods, _errata):
         found += search(device, term.strip())
     return found
+
+
+def explain_rule(term: str) -> list[Explanation]:
+    """The rule that a finding names, such as `E409` or `L421`; empty where there is none."""
+    rule = RULES.get(term.strip().upper())
+    if rule is None:
+        return []
+    rows = (("Severity", rule.severity), ("Why", rule.explanation), *((("Remedy", rule.hint),) if rule.hint else ()))
+    return [Explanation("rule", f"{rule.id} {rule.title}", "", rows)]
 
 
 def known_names(device: Device) -> list[str]:

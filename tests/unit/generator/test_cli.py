@@ -273,10 +273,10 @@ def test_an_error_fails_at_any_level(spec_file: Callable[[str], Path], run: Run)
 
 
 def test_a_finding_in_a_shared_file_is_shown_once(project: Path, run: Run) -> None:
-    shutil.copy(project / "spec" / "toy.yaml", project / "shared.yaml")
+    shutil.copy(project / "spec" / "toy.yaml", project / "common.yaml")
     for name in ("a", "b"):
         (project / "spec" / f"{name}.yaml").write_text("format: 1\ninclude: [../common.yaml]\n# \ndevice: {}\n")
-    with (project / "shared.yaml").open("a") as stream:
+    with (project / "common.yaml").open("a") as stream:
         stream.write("bases: {a: 0100}\n")
     found = run("lint", "a", "b")
     assert found.status == 2

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from odsmith.canopen_types import Source
-from odsmith.explain import Explanation, explain, known_names, source_text
+from odsmith.explain import Explanation, explain, explain_rule, known_names, source_text
 from odsmith.model import Device
 
 
@@ -265,3 +265,11 @@ def test_json_form(drive: Device) -> None:
 def test_sources_as_text(source: Source, text: str) -> None:
     assert source_text((source,)) == text
     assert source_text((source, source)) == f"{text}; {text}"
+
+
+def test_a_rule_is_explained_by_the_id_that_findings_show() -> None:
+    (answer,) = explain_rule("l421")
+    assert answer.kind == "rule"
+    assert answer.title.startswith("L421 ")
+    assert dict(answer.rows)["Severity"] == "error"
+    assert explain_rule("L999") == []
