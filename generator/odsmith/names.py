@@ -34,11 +34,6 @@ def class_name(name: str) -> str:
     return "".join(word[:1].upper() + word[1:] for word in name.split("_"))
 
 
-def type_prefix(device_name: str) -> str:
-    """A device's name as a Python class: `TMCM-6212` gives `TMCM6212`."""
-    return re.sub(r"[^A-Za-z0-9]", "", device_name)
-
-
 def reserved_in_c(name: str) -> bool:
     """True for a C or C++ keyword, or a name that the C library takes."""
     return name in _RESERVED_IN_C

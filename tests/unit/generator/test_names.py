@@ -9,7 +9,6 @@ def test_spellings() -> None:
     assert names.constant("tmcm3230", "switch_parameters", "") == "TMCM3230_SWITCH_PARAMETERS"
     assert names.identifier("tmcm3230", "od") == "tmcm3230_od"
     assert names.class_name("modes_of_operation") == "ModesOfOperation"
-    assert names.type_prefix("TMCM-6212") == "TMCM6212"
 
 
 def test_reserved_words() -> None:
