@@ -24,11 +24,6 @@ def constant(*parts: str) -> str:
     return "_".join(part.upper() for part in parts if part)
 
 
-def identifier(*parts: str) -> str:
-    """lower_snake_case of the parts, for C variables and Python attributes."""
-    return "_".join(part for part in parts if part)
-
-
 def class_name(name: str) -> str:
     """CamelCase of a snake_case name, for Python classes."""
     return "".join(word[:1].upper() + word[1:] for word in name.split("_"))

@@ -7,7 +7,6 @@ from odsmith import names
 
 def test_spellings() -> None:
     assert names.constant("tmcm3230", "switch_parameters", "") == "TMCM3230_SWITCH_PARAMETERS"
-    assert names.identifier("tmcm3230", "od") == "tmcm3230_od"
     assert names.class_name("modes_of_operation") == "ModesOfOperation"
 
 
