@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from odsmith.canopen_types import Source
@@ -225,7 +225,6 @@ def test_nonsense_means_nothing(term: str, tmcm3230: Device) -> None:
     assert explain(tmcm3230, term) == []
 
 
-@settings(deadline=None)
 @given(st.text(max_size=12))
 def test_no_term_is_too_strange(drive: Device, term: str) -> None:
     for answer in explain(drive, term):

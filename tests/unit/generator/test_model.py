@@ -195,7 +195,7 @@ def variable(index: int) -> Object:
 dictionaries = st.sets(st.sampled_from(PLACES)).map(lambda indices: tuple(map(variable, sorted(indices))))
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(dictionaries, st.integers(1, 8))
 def test_every_index_belongs_to_exactly_one_object_and_axis(
     toy: Device, objects: tuple[Object, ...], axes: int
