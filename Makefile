@@ -19,10 +19,10 @@ all: $(SET_UP)
 	$(BIN)/odsmith build --check
 
 test: $(SET_UP)
-	$(BIN)/pytest -q
+	$(BIN)/pytest -q -n auto
 
 fast: $(SET_UP)
-	$(BIN)/pytest -x -q -m "not slow"
+	$(BIN)/pytest -x -q -n auto -m "not slow"
 
 lint: $(SET_UP)
 	$(BIN)/ruff check
