@@ -56,7 +56,13 @@ def test_every_rule_is_used_and_every_used_rule_exists() -> None:
     assert used == set(RULES)
 
 
-def test_every_rule_has_an_anchor_in_the_reference(vocabulary: Vocabulary) -> None:
-    pages = {output.path: output.content.decode("utf-8") for output in DocsBackend().render(vocabulary)}
-    (page,) = [content for path, content in pages.items() if path.endswith("rules.md")]
-    assert re.findall(r'^## <a id="(\w+)"></a>\1 \S', page, re.MULTILINE) == list(RULES)
+def test_every_rule_has_a_row_and_a_page_in_the_reference(vocabulary: Vocabulary) -> None:
+    pages = {
+        output.path.split("/docs/", 1)[1]: output.content.decode("utf-8") for output in DocsBackend().render(vocabulary)
+    }
+    rows = re.findall(r'^\| <a id="(\w+)"></a>\[\1\]\(rules/\1\.md\) \|', pages["rules.md"], re.MULTILINE)
+    assert rows == list(RULES)
+    for known in RULES.values():
+        page = pages[f"rules/{known.id}.md"]
+        assert f"\n# {known.id} " in page
+        assert f"Severity: {known.severity}." in page

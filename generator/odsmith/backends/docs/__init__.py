@@ -5,7 +5,7 @@ Each fact is put into words once (`objects`, `view`); the templates lay the word
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from odsmith import escape
@@ -16,7 +16,8 @@ from odsmith.backends.docs.links import element_links, hexadecimal, mentions, pa
 from odsmith.backends.docs.objects import EDS_AXES, ObjectWriter
 from odsmith.backends.docs.text import Reader, html, html_link, markdown, markdown_code
 from odsmith.model import Device
-from odsmith.render import MARK, Backend, Output
+from odsmith.render import MARK, Backend, Output, Templates
+from odsmith.rules import RULES
 from odsmith.vocabulary import Vocabulary
 
 
@@ -38,9 +39,18 @@ class DocsBackend(Backend):
         """All pages; of a device those that it has something to fill with."""
         outputs = super().render(model)
         if not isinstance(model, Device):
-            return outputs
+            return [*outputs, *self._rule_pages(model)]
         files = {"README.md", "index.html", *(page.file for page in pages(model))}
         return [output for output in outputs if output.path.rsplit("/", 1)[-1] in files]
+
+    def _rule_pages(self, vocabulary: Vocabulary) -> Iterator[Output]:
+        """A page for each rule, so that a finding can be looked up by a link of its own."""
+        templates = Templates(self.template_root(), self.name)
+        templates.filters.update(self.filters)
+        context = self.vocabulary_context(vocabulary)
+        for rule in RULES.values():
+            text = templates.render("docs/vocabulary/_rule.md.j2", {**context, "rule": rule})
+            yield Output(f"{vocabulary.identifier}/docs/rules/{rule.id}.md", text.encode())
 
     def device_context(self, device: Device) -> Mapping[str, object]:
         present = pages(device)
@@ -85,7 +95,6 @@ class DocsBackend(Backend):
 
     def vocabulary_context(self, vocabulary: Vocabulary) -> Mapping[str, object]:
         from odsmith.backends.docs.format import manual, read_schema  # a device's build has no use for these
-        from odsmith.rules import RULES
 
         read = Reader({})
         return {

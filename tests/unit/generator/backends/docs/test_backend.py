@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import posixpath
 import re
 from collections import Counter
 from collections.abc import Iterator
@@ -280,7 +281,7 @@ TOY = Device(
 
 def pages(model: Device | Vocabulary) -> dict[str, str]:
     """The outputs by file name."""
-    return {output.path.rsplit("/", 1)[-1]: output.content.decode() for output in DocsBackend().render(model)}
+    return {output.path.split("/docs/", 1)[1]: output.content.decode() for output in DocsBackend().render(model)}
 
 
 VOID = {"meta", "br", "hr", "img", "input", "circle", "rect", "path"}
@@ -466,6 +467,7 @@ def check_links(found: dict[str, str]) -> int:
         assert len(page.ids) == len(set(page.ids)), f"{name}: an anchor stands twice"
         for link in page.links:
             file, _, anchor = link.partition("#")
+            file = posixpath.normpath(posixpath.join(posixpath.dirname(name), file)) if file else ""
             assert not file or file in found, f"{name}: no page {link}"
             assert not anchor or anchor in known[file or name], f"{name}: no anchor {link}"
             checked += 1
