@@ -10,6 +10,7 @@ was written (it never takes part in comparisons), names are snake_case identifie
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -17,7 +18,7 @@ from typing import Literal
 
 from odsmith.canopen_types import NOWHERE, Access, DataType, ObjectType, PdoDirection, Place, Source
 from odsmith.manual import Manual
-from odsmith.vocabulary import Named, Signature, Unit, Vocabulary
+from odsmith.vocabulary import Named, NmtState, Signature, Unit, Vocabulary
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,11 +44,12 @@ class Bit:
 
 @dataclass(frozen=True, slots=True)
 class NamedValue:
-    """One member of an enumeration."""
+    """One member of an enumeration. `nmt_state` is where an error leads with this choice of error behaviour (1029h)."""
 
     value: int
     name: str
     text: str
+    nmt_state: str = ""
     place: Place = field(default=NOWHERE, compare=False, repr=False)
 
 
@@ -164,6 +166,12 @@ class Entry:
 
 PdoKind = Literal["rpdo", "tpdo"]
 
+Scope = Literal["device", "axis", "rpdo", "tpdo"]
+"""Whose value an entry is: the device's, an axis's, a PDO's."""
+
+SCOPES: tuple[Scope, ...] = ("device", "axis", "rpdo", "tpdo")
+"""In the order in which their values stand in memory."""
+
 
 @dataclass(frozen=True, slots=True)
 class Object:
@@ -189,6 +197,13 @@ class Object:
     @property
     def per_axis(self) -> bool:
         return self.stride > 0
+
+    @property
+    def scope(self) -> Scope:
+        """Whose values the object holds."""
+        if self.pdo:
+            return "rpdo" if self.pdo.startswith("rpdo") else "tpdo"
+        return "axis" if self.per_axis else "device"
 
     @property
     def highest_sub(self) -> int:
@@ -258,6 +273,12 @@ class ExpandedObject:
     parameter_name: str
     title: str
     entries: tuple[ExpandedEntry, ...]
+
+    @property
+    def instance(self) -> tuple[int, int]:
+        """The one thing whose values the object holds. Sorts as these stand in memory: the device, axis 0.., RPDO 1..,
+        TPDO 1.."""
+        return SCOPES.index(self.object.scope), self.number or self.axis or 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -447,6 +468,7 @@ class Identity:
     digital_inputs: int
     digital_outputs: int
     analog_inputs: int
+    analog_outputs: int
     eds: EdsInfo
     own_manual: str = ""
     vendor_eds: str = ""
@@ -481,6 +503,14 @@ class Device(Vocabulary):
     def _by_name(self) -> dict[str, Object]:
         return {obj.name: obj for obj in self.objects}
 
+    @cached_property
+    def error_behaviour(self) -> dict[int, NmtState]:
+        """The NMT state that each value of error behaviour (1029h) leads to, ascending; others change nothing."""
+        states = {state.name: state for state in self.nmt_states}
+        named = (value for obj in self.objects for entry in obj.entries for value in entry.values)
+        found = {value.value: states[value.nmt_state] for value in named if value.nmt_state}
+        return dict(sorted(found.items()))
+
     @property
     def manual(self) -> Manual | None:
         """What the device's own manual contains, where the spec says it."""
@@ -500,6 +530,25 @@ class Device(Vocabulary):
     def expanded(self) -> tuple[ExpandedObject, ...]:
         """Every object of the dictionary as the bus sees it, ascending by index."""
         return tuple(sorted(self._expand(), key=lambda item: item.index))
+
+    @cached_property
+    def record(self) -> tuple[ExpandedEntry, ...]:
+        """The entries that are stored, in the order in which their values stand in non-volatile memory: instance by
+        instance, there by index and sub-index."""
+        objects = sorted(self.expanded, key=lambda item: item.instance)
+        return tuple(item for obj in objects for item in obj.entries if item.entry.stored != "never")
+
+    @cached_property
+    def layout(self) -> int:
+        """CRC-32 over the record: equal for two devices whose stored values mean the same.
+
+        Stored values that carry another one are not read: they are from a firmware with other parameters.
+        """
+        lines = (
+            f"{item.index:04X}:{item.entry.sub:02X} {item.entry.type} {item.entry.length} {item.entry.stored}\n"
+            for item in self.record
+        )
+        return zlib.crc32("".join(lines).encode())
 
     def _expand(self) -> Iterator[ExpandedObject]:
         for obj in self.objects:

@@ -226,6 +226,8 @@ rule("E418", "error", "role of another scope", "A value per axis cannot live in 
 rule("E419", "error", "role of another type", "The dictionary and the runtime must agree on the size of a value.")
 rule("E420", "error", "role has too few elements", "More entries than the runtime's array has room for.")
 rule("E421", "error", "role taken twice", "One value has one place in the dictionary.")
+rule("E422", "error", "NMT state of another value", "Only a choice of what an error does leads to an NMT state.")
+rule("E423", "error", "one choice, two NMT states", "A choice of error behaviour means the same for every error.")
 rule("E431", "error", "PDO over 64 bits", "A CAN frame carries 8 bytes.")
 rule("E432", "error", "PDO with too many entries", "The device maps fewer entries per PDO.")
 rule("E433", "error", "mapping of what is not mappable", "The PDO could never carry this object.")

@@ -75,6 +75,11 @@ static const ods_nmt_command_row_t nmt_commands[] = {
     { ODS_NMT_COMMAND_RESET_COMMUNICATION, ODS_NMT_STATE_INITIALISING },
 };
 
+static const ods_error_behaviour_row_t error_behaviours[] = {
+    { 0, ODS_NMT_STATE_STOPPED },
+    { 2, ODS_NMT_STATE_STOPPED },
+};
+
 static const uint16_t led_phases[] = { 200, 1000, 200, 200, 200, 200, 200, 1000 };
 
 static const ods_led_row_t leds[] = {
@@ -259,8 +264,10 @@ const ods_device_t tmcm3230_device = {
     .digital_inputs = 8,
     .digital_outputs = 8,
     .analog_inputs = 1,
+    .analog_outputs = 0,
     .nmt_state_count = 4,
     .nmt_command_count = 5,
+    .error_behaviour_count = 2,
     .led_count = 7,
     .emergency_count = 26,
     .store_count = 10,
@@ -272,6 +279,7 @@ const ods_device_t tmcm3230_device = {
     .ramp_count = 9,
     .nmt_states = nmt_states,
     .nmt_commands = nmt_commands,
+    .error_behaviours = error_behaviours,
     .leds = leds,
     .led_phases = led_phases,
     .emergencies = emergencies,

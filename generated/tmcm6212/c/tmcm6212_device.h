@@ -16,7 +16,7 @@ extern "C" {
 
 /* Version of the specification, and a hash of every fact in it. */
 #define TMCM6212_SPEC_VERSION "1.0.0"
-#define TMCM6212_SPEC_DIGEST "dab9961fc11d6bba"
+#define TMCM6212_SPEC_DIGEST "c3cf2c1d506cc53f"
 
 extern const ods_device_t tmcm6212_device;
 

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import chain, pairwise
 
 from odsmith.canopen_types import Access
 from odsmith.check.places import Places
 from odsmith.errors import Diagnostic
 from odsmith.fields import allowed_values
-from odsmith.model import Default, Device, Entry, ExpandedObject, Object
+from odsmith.model import Default, Device, Entry, ExpandedObject, NamedValue, Object
 from odsmith.rules import diagnose
 from odsmith.vocabulary import Role
 
 MANDATORY = {0x1000: "device type", 0x1001: "error register", 0x1018: "identity object"}
 """Objects that every CANopen device has (CiA 301, clause 7.5.1)."""
+
+ERROR_BEHAVIOUR = "error_behaviour"
+"""The effect of entries whose values say what an error does to the NMT state (CiA 301, clause 7.5.2.32)."""
 
 NODE_IDS = (1, 127)
 """The smallest and the largest node-ID: what a default with $NODEID may become."""
@@ -28,6 +31,7 @@ def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
         for entry in obj.entries:
             yield from _EntryCheck(obj, entry, places).run(device)
     yield from _roles_used_twice(device, places)
+    yield from _nmt_states(device)
 
 
 def label(obj: Object, entry: Entry) -> str:
@@ -107,6 +111,7 @@ class _EntryCheck:
         yield from self.numbers() if self.entry.type.integer else self.no_numbers()
         yield from self.bits()
         yield from self.access()
+        yield from self.nmt_states()
         role = device.roles.get(self.entry.role)
         if role:
             yield from self.role(role, bool(device.axes))
@@ -178,6 +183,16 @@ class _EntryCheck:
             message = f"{name} cannot be written, so no RPDO can carry it"
             yield self.finding("E417", "mapping", message, "make it `mapping: tx`")
 
+    def nmt_states(self) -> Iterator[Diagnostic]:
+        for value in self.entry.values:
+            if value.nmt_state and self.entry.effect != ERROR_BEHAVIOUR:
+                yield diagnose(
+                    "E422",
+                    value.place,
+                    f"the value {value.value} of {self.name} names an NMT state, but {self.name} is no error behaviour",
+                    f"drop `nmt_state`, or make it `effect: {ERROR_BEHAVIOUR}`",
+                )
+
     def role(self, role: Role, has_axes: bool) -> Iterator[Diagnostic]:
         entry, name = self.entry, self.name
         scope = "pdo" if self.obj.pdo else "axis" if self.obj.per_axis else "device"
@@ -210,3 +225,23 @@ def _roles_used_twice(device: Device, places: Places) -> Iterator[Diagnostic]:
                     "one value has one place in the dictionary",
                     notes=((other[1].place, "taken here first"),),
                 )
+
+
+def _nmt_states(device: Device) -> Iterator[Diagnostic]:
+    """The choices of error behaviour are one table, whatever the error."""
+    seen: dict[int, NamedValue] = {}
+    choices = (entry.values for obj in device.objects for entry in obj.entries if entry.effect == ERROR_BEHAVIOUR)
+    for value in chain.from_iterable(choices):
+        first = seen.setdefault(value.value, value)
+        if first.nmt_state != value.nmt_state:
+            yield diagnose(
+                "E423",
+                value.place,
+                f"error behaviour {value.value} {_leads(value)} here, but {_leads(first)} elsewhere",
+                "one value means the same for every error",
+                notes=((first.place, f"it {_leads(first)} here"),),
+            )
+
+
+def _leads(value: NamedValue) -> str:
+    return f"leads to `{value.nmt_state}`" if value.nmt_state else "changes no NMT state"

@@ -62,6 +62,7 @@ def _device(spec: Node, problems: Problems) -> Device:
         effects=vocabulary["effects"],
         roles=vocabulary["roles"],
         pds_states=pds_states,
+        nmt_states=frozenset(state.name for state in vocabulary["nmt_states"]),
         storage_groups=named(section(spec, "storage_groups")),
         values=_enumerations(spec, mode_values(numbers)),
         bits={

@@ -28,6 +28,7 @@ def resolve_identity(node: Node) -> Identity:
         digital_inputs=section(node, "inputs").get("digital", 0),
         digital_outputs=section(node, "outputs").get("digital", 0),
         analog_inputs=section(node, "inputs").get("analog", 0),
+        analog_outputs=section(node, "outputs").get("analog", 0),
         eds=EdsInfo(
             file=eds["file"],
             version=eds["version"],

@@ -52,7 +52,7 @@ def mode_numbers(spec: Node, codes: Iterable[ModeCode], problems: Problems) -> d
 def mode_values(numbers: Mapping[str, ModeCode]) -> tuple[NamedValue, ...]:
     """The enumeration of 6060h and 6061h."""
     values = (
-        NamedValue(item.code, item.name, f"{item.title} ({item.short}).", item.place) for item in numbers.values()
+        NamedValue(item.code, item.name, f"{item.title} ({item.short}).", place=item.place) for item in numbers.values()
     )
     return tuple(sorted(values, key=lambda value: value.value))
 
@@ -66,7 +66,7 @@ def mode_bits(codes: Iterable[ModeCode]) -> tuple[Bit, ...]:
 def homing_values(spec: Node) -> tuple[NamedValue, ...]:
     """The enumeration of 6098h."""
     nodes = section(spec, "homing_methods")
-    values = (NamedValue(node["method"], name, node["title"] + ".", node.where) for name, node in nodes.items())
+    values = (NamedValue(node["method"], name, node["title"] + ".", place=node.where) for name, node in nodes.items())
     return tuple(sorted(values, key=lambda value: value.value))
 
 

@@ -55,6 +55,7 @@ class Words:
     effects: Mapping[str, Named]
     roles: Mapping[str, Role]
     pds_states: frozenset[str]
+    nmt_states: frozenset[str]
     storage_groups: Mapping[str, Named]
     values: Mapping[str, tuple[NamedValue, ...]]
     """Enumerations that are sections of the spec: `modes`, `homing_methods`."""
@@ -254,8 +255,14 @@ class _EntryReader:
         found = []
         for key, item in value.items():
             number = self.problems.read(parse_number, value.key_place(key), key, otherwise=0)
-            found.append(NamedValue(number, item["name"], item["text"], item.where))
+            found.append(NamedValue(number, item["name"], item["text"], self.nmt_state(item), place=item.where))
         return tuple(sorted(found, key=lambda item: item.value))
+
+    def nmt_state(self, item: Node) -> str:
+        state: str = item.get("nmt_state", "")
+        if state and state not in self.words.nmt_states:
+            self.problems.unknown(state, self.words.nmt_states, item.place("nmt_state"), "NMT state")
+        return state
 
     def bits(self) -> tuple[Bit, ...]:
         value = self.node.get("bits")

@@ -4,9 +4,10 @@
  * The generator makes a `const ods_device_t` for each device; a node gets its address at init and looks up everything
  * in it. So two devices can run in one process, and no line of the runtime names a device.
  *
- * The caller provides the memory. For a device called NAME the generated header states
- *     NAME_values_t      the values of the object dictionary, one block (see ods/od.h)
- *     NAME_AXES, NAME_RPDOS, NAME_TPDOS     how many axes and PDOs the runtime needs memory for
+ * The caller provides the memory. For a device called NAME the generator writes
+ *     NAME.h           all memory of a node in one struct, NAME_t, and NAME_init(); what an application includes
+ *     NAME_device.h    the constant, and the device's own codes
+ *     NAME_od.h        the struct of all values of its object dictionary, and names for the objects
  *
  * A table without rows is NULL with a count of 0: a device need not have axes, modes or a state machine. Rows stand in
  * the order of the specification where this matters: controlword commands are decoded and emergencies raised in it.
@@ -44,6 +45,12 @@ typedef struct {
     uint8_t command; /* ods_nmt_command_t, as the frame carries it */
     uint8_t state; /* where it leads */
 } ods_nmt_command_row_t;
+
+/* A value of error behaviour (1029h) and where an error leads with it. Values without a row change nothing. */
+typedef struct {
+    uint8_t value;
+    uint8_t state; /* ods_nmt_state_t */
+} ods_error_behaviour_row_t;
 
 /* One row for each reason to show a pattern. The row of highest priority shows; it starts with its first phase. */
 typedef struct {
@@ -164,9 +171,11 @@ typedef struct {
     uint8_t digital_inputs;
     uint8_t digital_outputs;
     uint8_t analog_inputs;
+    uint8_t analog_outputs;
 
     uint8_t nmt_state_count;
     uint8_t nmt_command_count;
+    uint8_t error_behaviour_count;
     uint8_t led_count;
     uint8_t emergency_count;
     uint8_t store_count;
@@ -179,6 +188,7 @@ typedef struct {
 
     const ods_nmt_state_row_t *nmt_states;
     const ods_nmt_command_row_t *nmt_commands;
+    const ods_error_behaviour_row_t *error_behaviours;
     const ods_led_row_t *leds;
     const uint16_t *led_phases;
     const ods_emergency_row_t *emergencies;

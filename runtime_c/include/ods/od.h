@@ -194,6 +194,7 @@ typedef struct {
 
     uint32_t layout; /* equal only where stored values mean the same */
     uint16_t values_size; /* octets of the whole block */
+    uint16_t buffer_size; /* octets of the largest value in the block, at least 8 */
     uint16_t communication_entries; /* entries of the device in 1000h..1FFFh; they are the first ones */
     uint16_t scope_entries[ODS_SCOPES + 1]; /* first entry of each scope, and the end */
     uint16_t scope_instances[ODS_SCOPES + 1]; /* first instance of each scope, and the end */

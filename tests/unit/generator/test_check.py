@@ -154,6 +154,49 @@ def test_roles(fields: str, broken: list[str], findings_of: FindingsOf) -> None:
     assert rules(findings_of(spare(fields))) == broken
 
 
+ERROR_BEHAVIOUR = """
+include: [drive.yaml]
+change:
+  objects:
+    error_behaviour:
+      subs:
+        "1": {{values: {{"0": {{name: stop, text: Stops., nmt_state: stopped}}, "1": {{name: none, text: Nothing.}}}}}}
+        "2": {{values: {{"0": {{name: stop, text: Stops.{0}}}, "1": {{name: none, text: Nothing.{1}}}}}}}
+"""
+
+
+@pytest.mark.parametrize(
+    ("zero", "one", "messages"),
+    [
+        (", nmt_state: stopped", "", []),
+        ("", "", ["error behaviour 0 changes no NMT state here, but leads to `stopped` elsewhere"]),
+        (
+            ", nmt_state: pre_operational",
+            ", nmt_state: stopped",
+            [
+                "error behaviour 0 leads to `pre_operational` here, but leads to `stopped` elsewhere",
+                "error behaviour 1 leads to `stopped` here, but changes no NMT state elsewhere",
+            ],
+        ),
+    ],
+)
+def test_a_choice_of_error_behaviour_means_one_state(
+    zero: str, one: str, messages: list[str], findings_of: FindingsOf
+) -> None:
+    found = findings_of(ERROR_BEHAVIOUR.format(zero, one))
+    assert [item.message for item in found] == messages
+    assert set(rules(found)) <= {"E423"}
+
+
+@pytest.mark.parametrize(
+    ("fields", "broken"),
+    [("effect: error_behaviour", []), ("effect: value", ["E422"]), ("access: ro; stored: -; effect: -", ["E422"])],
+)
+def test_only_error_behaviour_leads_to_nmt_states(fields: str, broken: list[str], findings_of: FindingsOf) -> None:
+    values = 'values: {"0": {name: stop, text: Stops., nmt_state: stopped}}'
+    assert rules(findings_of(spare(f"{fields}; {values}"))) == broken
+
+
 def test_a_role_has_as_many_elements_as_it_says(findings_of: FindingsOf) -> None:
     text = "change: {{objects: {{rpdo_mapping: {{subs: {{'1': {{repeat: {}}}}}}}}}}}"
     assert findings_of(text.format(8)) == ()

@@ -108,8 +108,8 @@ def test_nothing_downstream_can_change_a_model(drive: Device) -> None:
 
 
 def test_places_are_no_facts() -> None:
-    value = NamedValue(1, "one", "", Place("a.yaml", 1, 2))
-    assert value == NamedValue(1, "one", "", Place("b.yaml", 3, 4))
+    value = NamedValue(1, "one", "", place=Place("a.yaml", 1, 2))
+    assert value == NamedValue(1, "one", "", place=Place("b.yaml", 3, 4))
     assert "yaml" not in repr(value)
 
 
@@ -141,6 +141,10 @@ def everything(item: object) -> list[type]:
 
 
 # ---- a whole device -------------------------------------------------------------------------------------------------
+
+
+PDO_NUMBERS = (*range(1, 5), *range(65, 69), *range(129, 133))
+"""Those of the TMCM-3230."""
 
 
 def test_look_up(drive: Device) -> None:
@@ -297,3 +301,54 @@ def test_pdos_without_axes(io_module: Device) -> None:
 def test_the_eds_hides_the_default_of_an_expanded_entry(drive: Device) -> None:
     (history,) = (item for item in drive.expanded if item.index == 0x1003)
     assert [entry.eds_default for entry in history.entries] == [Default(2), None, None]
+
+
+# ---- what is stored --------------------------------------------------------------------------------------------------
+
+
+def test_the_record_goes_instance_by_instance(tmcm3230: Device) -> None:
+    """The device, the axes, the RPDOs, the TPDOs of all axes; within each by index and sub-index."""
+    objects = {item.index: item for item in tmcm3230.expanded}
+    record = [(objects[item.index], item) for item in tmcm3230.record]
+    instances = list(dict.fromkeys(obj.instance for obj, _ in record))
+    assert instances == [(0, 0), *((1, n) for n in range(3)), *((scope, n) for scope in (2, 3) for n in PDO_NUMBERS)]
+    assert instances == sorted(instances)
+    for instance in instances:
+        places = [(item.index, item.entry.sub) for obj, item in record if obj.instance == instance]
+        assert places == sorted(places)
+    assert [f"{item.index:04X}:{item.entry.sub}" for obj, item in record if obj.instance == (2, 65)] == [
+        *(f"1440:{sub}" for sub in (1, 2)),
+        *(f"1640:{sub}" for sub in range(4)),
+    ]
+
+
+def test_the_record_has_all_that_is_stored_once(drive: Device) -> None:
+    entries = [entry for item in drive.expanded for entry in item.entries if entry.entry.stored != "never"]
+    assert sorted((item.index, item.entry.sub) for item in drive.record) == [(e.index, e.entry.sub) for e in entries]
+    assert entries
+
+
+def test_the_layout_is_that_of_the_record(tmcm3230: Device) -> None:
+    """A text may change; another type, group, axis or order may not."""
+    changed = tuple(replace(obj, text="other words") for obj in tmcm3230.objects)
+    assert replace(tmcm3230, objects=changed).layout == tmcm3230.layout
+    assert replace(tmcm3230, axes=2).layout != tmcm3230.layout
+    (index, stored) = next(
+        (n, obj) for n, obj in enumerate(tmcm3230.objects) if obj.entries[0].stored == "motor" and obj.per_axis
+    )
+    for change in ({"stored": "profile"}, {"stored": "never"}, {"type": DataType.REAL32}, {"length": 1}):
+        objects = list(tmcm3230.objects)
+        first = replace(stored.entries[0], **change)
+        objects[index] = replace(stored, entries=(first, *stored.entries[1:]))
+        assert replace(tmcm3230, objects=tuple(objects)).layout != tmcm3230.layout
+
+
+# ---- error behaviour -------------------------------------------------------------------------------------------------
+
+
+def test_error_behaviour(tmcm3230: Device, io_module: Device) -> None:
+    """As the manual numbers it (3.1.17): 0 and 2 lead to STOPPED, 1 changes nothing."""
+    states = {value: state.name for value, state in tmcm3230.error_behaviour.items()}
+    assert states == {0: "stopped", 2: "stopped"}
+    assert list(states) == sorted(states)
+    assert io_module.error_behaviour == {}

@@ -201,6 +201,18 @@ def test_values_are_sorted_and_make_the_allowed_set(drive: Device) -> None:
     assert switches.allowed == Allowed(((1, 1), (32, 32)), listed=True)
 
 
+def test_the_nmt_state_of_a_value(device_of: DeviceOf) -> None:
+    device = device_of(
+        "include: [drive.yaml]\nchange: {objects: {error_behaviour: {subs: {'1': {values: "
+        "{'3': {name: stop, text: Stops., nmt_state: stopped}, '2': {name: none, text: Nothing.}}}}}}}"
+    )
+    assert [(value.value, value.nmt_state) for value in entry(device, "error_behaviour", 1).values] == [
+        (2, ""),
+        (3, "stopped"),
+    ]
+    assert [(value, state.code) for value, state in device.error_behaviour.items()] == [(3, 4)]
+
+
 def test_a_range_goes_before_the_values(device_of: DeviceOf) -> None:
     device = device_of("include: [drive.yaml]\nchange: {objects: {switches: {range: 0..40}}}")
     assert entry(device, "switches").allowed == Allowed(((0, 40),), listed=False)
@@ -391,7 +403,8 @@ def test_errata_are_in_the_order_of_their_numbers(drive: Device) -> None:
 def test_identity(drive: Device, device_of: DeviceOf) -> None:
     plate = drive.identity
     assert (plate.identifier, plate.name, plate.order_code, plate.version) == ("toy", "TOY-2", "TOY-2-B", "1.0.0")
-    assert (plate.digital_inputs, plate.analog_inputs, plate.digital_outputs) == (3, 1, 2)
+    assert (plate.digital_inputs, plate.analog_inputs) == (3, 1)
+    assert (plate.digital_outputs, plate.analog_outputs) == (2, 4)
     assert (plate.eds.created_by, plate.eds.modified_by, plate.eds.modification_date) == (
         "odsmith",
         "somebody",
@@ -400,7 +413,8 @@ def test_identity(drive: Device, device_of: DeviceOf) -> None:
     assert [revision.version for revision in plate.firmware] == ["1.0"]
     plain = device_of("").identity
     assert plain.order_code == "TOY-2"
-    assert (plain.digital_inputs, plain.analog_inputs, plain.manual, plain.firmware) == (0, 0, "", ())
+    assert (plain.digital_inputs, plain.analog_inputs, plain.analog_outputs) == (0, 0, 0)
+    assert (plain.manual, plain.firmware) == ("", ())
     assert (plain.eds.modified_by, plain.eds.modification_date, plain.eds.modification_time) == (
         "odsmith",
         "11-22-2026",
@@ -504,6 +518,10 @@ NOWHERE = {
     "command of a transition": (
         "change: {pds: {transitions: {'16': {by: magic}}}}",
         "there is no PDS command or event `magic`",
+    ),
+    "NMT state of a value": (
+        "change: {objects: {switches: {values: {'1': {nmt_state: halted}}}}}",
+        "there is no NMT state `halted`",
     ),
     "NMT state": ("change: {nmt: {commands: {start: {to: running}}}}", "there is no NMT state `running`"),
     "mapped object": (

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from tests.cross.build import WARNINGS, Build
+from tests.cross.build import run as run_command
 
 from odsmith.backends.c import CBackend
 from odsmith.compile import compile_file
@@ -16,10 +17,6 @@ from odsmith.render import write
 from odsmith.vocabulary import Vocabulary
 
 HERE = Path(__file__).parent
-
-WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wundef", "-Werror")
-
-SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
 
 
 @dataclass(frozen=True)
@@ -31,6 +28,10 @@ class CTree:
 
     def sources(self, device: str) -> list[Path]:
         return sorted((self.folder / device / "c").glob("*.c"))
+
+    def tables(self, device: str) -> list[Path]:
+        """Those that need no runtime."""
+        return [path for path in self.sources(device) if path.stem != device]
 
     def headers(self, device: str) -> list[Path]:
         return sorted((self.folder / device / "c").rglob("*.h"))
@@ -70,12 +71,6 @@ Run = Callable[[Iterable[str]], str]
 @pytest.fixture(scope="session")
 def run() -> Run:
     """Run a command and give its output; a failure shows what it said."""
-
-    def run_command(command: Iterable[str]) -> str:
-        done = subprocess.run(list(command), capture_output=True, text=True, check=False)
-        assert done.returncode == 0, f"{' '.join(command)}\n{done.stdout[-2000:]}{done.stderr[-4000:]}"
-        return done.stdout
-
     return run_command
 
 
@@ -84,14 +79,10 @@ def compiles(tool: Callable[[str], str], tmp_path_factory: pytest.TempPathFactor
     """`compiles("gcc", "-m32")` gives the beginning of a command; skips where this compiler cannot link for 32 bits."""
 
     def find(compiler: str, *flags: str) -> list[str]:
-        command = [tool(compiler), *flags]
-        if "-m32" in flags:
-            probe = tmp_path_factory.mktemp("probe") / "probe.c"
-            probe.write_text("#include <stdint.h>\nint main(void) { return 0; }\n")
-            done = subprocess.run([*command, str(probe), "-o", str(probe.with_suffix(""))], capture_output=True)
-            if done.returncode:
-                tool("the 32-bit C library of " + compiler)  # no such program: skips, or fails in CI
-        return command
+        build = Build(tool(compiler), flags)
+        if "-m32" in flags and not build.links(tmp_path_factory.mktemp("probe")):
+            tool("the 32-bit C library of " + compiler)  # no such program: skips, or fails in CI
+        return build.command
 
     return find
 
@@ -100,7 +91,7 @@ def compiles(tool: Callable[[str], str], tmp_path_factory: pytest.TempPathFactor
 def run_dump(
     ctree: CTree, run: Run, compiles: Callable[..., list[str]], tmp_path_factory: pytest.TempPathFactory
 ) -> Callable[..., list[str]]:
-    """Compile and run `dump_od` or `dump_device` for a device; gives the lines that it prints."""
+    """Compile and run `dump_od`, `dump_device` or `dump_init` for a device; gives the lines that it prints."""
 
     def dump(program: str, device: str, compiler: str = "cc", *flags: str) -> list[str]:
         binary = tmp_path_factory.mktemp(program) / program
@@ -109,10 +100,13 @@ def run_dump(
                 *compiles(compiler, *flags),
                 *("-std=c99", "-O1", *WARNINGS, *ctree.includes(device)),
                 f'-DDEVICE_HEADER="{device}_device.h"',
+                f'-DNODE_HEADER="{device}.h"',
+                f"-DNODE={device}_t",
+                f"-DINIT={device}_init",
                 f"-DDEVICE={device}_device",
                 f"-DABORT_CODES={device}_abort_codes",
                 f"-DABORT_COUNT={device.upper()}_ABORT_CODES",
-                *map(str, ctree.sources(device)),
+                *map(str, ctree.sources(device) if program == "dump_init" else ctree.tables(device)),
                 str(HERE / f"{program}.c"),
                 *("-o", str(binary)),
             ]
@@ -120,3 +114,18 @@ def run_dump(
         return run([str(binary)]).splitlines()
 
     return dump
+
+
+@pytest.fixture(
+    scope="session",
+    params=[
+        pytest.param(("gcc", "-m64"), id="gcc-m64"),
+        pytest.param(("gcc", "-m32"), id="gcc-m32"),
+        pytest.param(("clang", "-m64"), id="clang-m64"),
+        pytest.param(("clang", "-m32"), id="clang-m32"),
+    ],
+)
+def c_build(request: pytest.FixtureRequest, compiles: Callable[..., list[str]]) -> Build:
+    """Every compiler at hand."""
+    compiler, *flags = compiles(*request.param)
+    return Build(compiler, tuple(flags))

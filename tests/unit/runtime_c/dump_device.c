@@ -56,7 +56,8 @@ static void print_device(const ods_device_t *device)
 {
     printf("identity %s %" PRIu32 " %" PRIu32, device->name, device->vendor_id, device->product_code);
     printf(" %" PRIu32 " %u", device->revision_number, device->axes);
-    printf(" %u %u %u\n", device->digital_inputs, device->digital_outputs, device->analog_inputs);
+    printf(" %u %u", device->digital_inputs, device->digital_outputs);
+    printf(" %u %u\n", device->analog_inputs, device->analog_outputs);
     for (uint32_t n = 0; n < device->bit_rate_count; n++) {
         printf("bit_rate %u\n", device->bit_rates[n]);
     }
@@ -65,6 +66,10 @@ static void print_device(const ods_device_t *device)
     }
     for (uint32_t n = 0; n < device->nmt_command_count; n++) {
         printf("nmt_command %u %u\n", device->nmt_commands[n].command, device->nmt_commands[n].state);
+    }
+    for (uint32_t n = 0; n < device->error_behaviour_count; n++) {
+        const ods_error_behaviour_row_t *const row = &device->error_behaviours[n];
+        printf("error_behaviour %u %u\n", row->value, row->state);
     }
     for (uint32_t n = 0; n < device->led_count; n++) {
         const ods_led_row_t *const row = &device->leds[n];

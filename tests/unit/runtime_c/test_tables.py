@@ -6,15 +6,16 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from odsmith.backends.c.storage import scope_of
 from odsmith.canopen_types import DataType
-from odsmith.model import Allowed, Device, Entry, ExpandedEntry, ExpandedObject
+from odsmith.model import Allowed, Device, Entry, ExpandedEntry, ExpandedObject, PdoKind
 from odsmith.vocabulary import Vocabulary
 
 Dump = Callable[..., list[str]]
 
 NODE_ID = 5
 """That of dump_od.c."""
+
+PDO_KINDS: tuple[PdoKind, ...] = ("rpdo", "tpdo")
 
 DEVICES = ("tmcm3230", "tmcm6212", "io_module", "toy")
 
@@ -100,14 +101,29 @@ def _rule(device: Device, vocabulary: Vocabulary, entry: Entry) -> Iterator[str]
 def _instance(device: Device, item: ExpandedObject) -> int:
     """The device, the axes, the RPDOs, the TPDOs; each in order."""
     axis = item.axis or 0
-    if scope_of(item.object) == "device":
+    if item.object.scope == "device":
         return 0
-    if scope_of(item.object) == "axis":
+    if item.object.scope == "axis":
         return 1 + axis
     pdos = {kind: len(device.pdos_of(kind)) for kind in ("rpdo", "tpdo")}
-    kind = scope_of(item.object)
+    kind = item.object.scope
     first = 1 + device.axes + (pdos["rpdo"] * max(device.axes, 1) if kind == "tpdo" else 0)
     return first + axis * pdos[kind] + item.index - item.object.index - axis * item.object.stride
+
+
+@pytest.mark.parametrize(("compiler", "flags"), BUILDS)
+def test_the_memory_of_a_node(device: Device, run_dump: Dump, compiler: str, flags: tuple[str, ...]) -> None:
+    """The generated header has room for everything, and the generated function says where it is."""
+    rpdos, tpdos = (len(device.pdos_of(kind)) * max(device.axes, 1) for kind in PDO_KINDS)
+    variables = [entry for obj in device.objects for entry in obj.entries if entry.access.writable or entry.role]
+    assert run_dump("dump_init", device.identity.identifier, compiler, *flags) == [
+        "values 1",
+        f"axes {device.axes}",
+        f"rpdos {rpdos}",
+        f"tpdos {tpdos}",
+        f"mapped {(rpdos + tpdos) * device.max_pdo_entries}",
+        f"buffer {max(8, *(entry.bit_length // 8 for entry in variables))}",
+    ]
 
 
 def test_the_other_tables(device: Device, vocabulary: Vocabulary, run_dump: Dump) -> None:
@@ -119,7 +135,8 @@ def _expected_tables(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
     identity = device.identity
     yield (
         f"identity {identity.name} {identity.vendor_id} {identity.product_code} {identity.revision_number} "
-        f"{device.axes} {identity.digital_inputs} {identity.digital_outputs} {identity.analog_inputs}"
+        f"{device.axes} {identity.digital_inputs} {identity.digital_outputs} "
+        f"{identity.analog_inputs} {identity.analog_outputs}"
     )
     for rate in identity.bit_rates:
         yield f"bit_rate {rate}"
@@ -129,6 +146,9 @@ def _expected_tables(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
         yield f"nmt_state {state.code} {sum(1 << services.index(name) for name in state.services)}"
     for command in device.nmt_commands:
         yield f"nmt_command {command.code} {codes[command.to]}"
+    choices = (value for obj in device.objects for entry in obj.entries for value in entry.values if value.nmt_state)
+    for number, state_name in sorted({value.value: value.nmt_state for value in choices}.items()):
+        yield f"error_behaviour {number} {codes[state_name]}"
     leds = [led.name for led in vocabulary.leds]
     whens = list(dict.fromkeys(when for led in vocabulary.leds for p in led.patterns for when in p.when))
     for led in device.leds:

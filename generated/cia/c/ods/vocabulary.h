@@ -298,9 +298,14 @@ typedef enum {
      * 08000020h.
      */
     ODS_EFFECT_MANUFACTURER_MODE,
-    ODS_EFFECT_DIGITAL_OUTPUTS, /* Outputs whose mask bit is set follow at once. The others keep their state. */
+    /*
+     * Outputs whose mask bit is set follow at once; the others keep their state. Where there is no mask, all outputs
+     * follow at once.
+     */
+    ODS_EFFECT_DIGITAL_OUTPUTS,
     /* Outputs that the mask now includes take their wanted state at once. Outputs that it drops keep their state. */
     ODS_EFFECT_OUTPUT_MASK,
+    ODS_EFFECT_ANALOG_OUTPUTS, /* The output follows at once. */
     /*
      * The value is only kept. It has to be stored, and counts after the next power-on or reset node; until then the
      * node talks on as before.

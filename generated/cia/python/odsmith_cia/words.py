@@ -169,11 +169,18 @@ class Effect(choices.Word):
             "refused with 08000020h."
         ),
     )
-    DIGITAL_OUTPUTS = "digital_outputs", "Outputs whose mask bit is set follow at once. The others keep their state."
+    DIGITAL_OUTPUTS = (
+        "digital_outputs",
+        (
+            "Outputs whose mask bit is set follow at once; the others keep their state. Where there is no mask, all "
+            "outputs follow at once."
+        ),
+    )
     OUTPUT_MASK = (
         "output_mask",
         "Outputs that the mask now includes take their wanted state at once. Outputs that it drops keep their state.",
     )
+    ANALOG_OUTPUTS = "analog_outputs", "The output follows at once."
     BUS_SETTING = (
         "bus_setting",
         (

@@ -9,7 +9,7 @@ module adds eight general purpose inputs, eight general purpose outputs and an a
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "941be3581e448b69"
+__spec_digest__ = "602375e47a9d0b37"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -87,6 +87,7 @@ if TYPE_CHECKING:
     from .homing import HOMING_METHODS as HOMING_METHODS
     from .leds import LEDS as LEDS
     from .modes import MODES as MODES
+    from .nmt import ERROR_BEHAVIOUR as ERROR_BEHAVIOUR
     from .nmt import NMT_COMMANDS as NMT_COMMANDS
     from .nmt import NMT_STATES as NMT_STATES
     from .objects import AxisObjects as AxisObjects
@@ -95,6 +96,7 @@ if TYPE_CHECKING:
     from .recipes import RECIPES as RECIPES
     from .state_machine import STATE_MACHINE as STATE_MACHINE
     from .state_machine import decode_state as decode_state
+    from .storage import LAYOUT as LAYOUT
     from .storage import STORAGE_GROUPS as STORAGE_GROUPS
     from .units import UNITS as UNITS
 else:
@@ -174,12 +176,12 @@ else:
             "homing": ("HOMING_METHODS",),
             "leds": ("LEDS",),
             "modes": ("MODES",),
-            "nmt": ("NMT_COMMANDS", "NMT_STATES"),
+            "nmt": ("ERROR_BEHAVIOUR", "NMT_COMMANDS", "NMT_STATES"),
             "objects": ("AxisObjects", "DeviceObjects"),
             "ramp": ("RAMP",),
             "recipes": ("RECIPES",),
             "state_machine": ("STATE_MACHINE", "decode_state"),
-            "storage": ("STORAGE_GROUPS",),
+            "storage": ("LAYOUT", "STORAGE_GROUPS"),
             "texts": (),
             "units": ("UNITS",),
         },

@@ -5,6 +5,9 @@ from __future__ import annotations
 
 from odsmith_runtime.rows import Named
 
+LAYOUT = 0x9BD5D936
+"""Equal only for devices whose stored values mean the same."""
+
 STORAGE_GROUPS: dict[str, Named] = {
     "communication": Named(
         name="communication",

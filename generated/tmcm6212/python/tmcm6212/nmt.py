@@ -94,3 +94,9 @@ NMT_COMMANDS: dict[int, NmtCommandInfo] = {
         source="CiA 301, 7.2.8.3.1, 7.3.2.2.1",
     ),
 }
+
+ERROR_BEHAVIOUR: dict[int, int] = {
+    0: 4,
+    2: 4,
+}
+"""The NMT state that each choice of error behaviour (1029h) leads to, by its code; others change nothing."""

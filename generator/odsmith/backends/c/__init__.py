@@ -27,10 +27,10 @@ from odsmith.backends.c.dictionary import (
     pack,
 )
 from odsmith.backends.c.drive import C_TYPE_CODES, flags
-from odsmith.backends.c.storage import SCOPES, Scope, Storage, struct_of
+from odsmith.backends.c.storage import Storage, struct_of
 from odsmith.backends.c.text import beside, comment, distinct, hexadecimal, number, rows, signed, unsigned
 from odsmith.canopen_types import DataType
-from odsmith.model import Device, PdoKind
+from odsmith.model import SCOPES, Device, PdoKind, Scope
 from odsmith.render import MARK, Backend
 from odsmith.vocabulary import Vocabulary
 
@@ -64,8 +64,17 @@ class TextRow:
     length: int
 
 
+@dataclass(frozen=True, slots=True)
+class Member:
+    """An array in the memory of a node; without a declaration where the device needs none."""
+
+    name: str
+    declaration: str
+
+
 class CBackend(Backend):
-    """Writes `<device>/c/<device>_od.{h,c}` and `<device>_device.{h,c}`, and `cia/c/ods/*.h` for the vocabulary."""
+    """Writes `<device>/c/<device>_od.{h,c}`, `<device>_device.{h,c}` and `<device>.{h,c}`, and `cia/c/ods/*.h` for the
+    vocabulary."""
 
     name = "c"
     filters: Mapping[str, Callable[..., Any]] = {
@@ -100,6 +109,7 @@ class CBackend(Backend):
             "PREFIX": names.constant(device.identity.identifier),
             **_values(storage, dictionary),
             **_dictionary(device, dictionary),
+            "memory": _memory(device, dictionary),
             "objects": objects,
             "storage_groups": groups,
             "device_groups": [group for group in device_groups if group.constants],
@@ -114,6 +124,21 @@ def _values(storage: Storage, dictionary: Dictionary) -> dict[str, object]:
         "counts": counts,
         "strides": {area.name: hexadecimal(area.stride) for area in storage.device.areas if area.stride},
     }
+
+
+def _memory(device: Device, dictionary: Dictionary) -> list[Member]:
+    """The members of `ods_memory_t` behind the values; C has no arrays without elements."""
+    prefix = names.constant(device.identity.identifier)
+    counts = dict(zip(SCOPES, dictionary.instances, strict=True))
+    pdos = counts["rpdo"] + counts["tpdo"]
+    arrays = (
+        ("axes", "ods_axis_t", device.axes, f"{prefix}_AXES"),
+        ("rpdos", "ods_rpdo_t", counts["rpdo"], f"{prefix}_RPDOS"),
+        ("tpdos", "ods_tpdo_t", counts["tpdo"], f"{prefix}_TPDOS"),
+        ("mapped", "ods_pdo_ref_t", pdos, f"({prefix}_RPDOS + {prefix}_TPDOS) * {prefix}_MAX_MAPPED"),
+        ("buffer", "uint8_t", dictionary.buffer_size, f"{prefix}_BUFFER_SIZE"),
+    )
+    return [Member(name, f"{type_} {name}[{size}]" if count else "") for name, type_, count, size in arrays]
 
 
 def _dictionary(device: Device, dictionary: Dictionary) -> dict[str, object]:
@@ -154,6 +179,7 @@ def _dictionary(device: Device, dictionary: Dictionary) -> dict[str, object]:
         ],
         "node_ids": [_node_id(item) for item in dictionary.node_ids],
         "areas": _mappable_areas(device),
+        "buffer_size": dictionary.buffer_size,
         "layout": hexadecimal(dictionary.layout, 8),
     }
 
@@ -276,6 +302,9 @@ def _tables(storage: Storage) -> dict[str, object]:
         "nmt_commands": [
             (names.constant("ODS_NMT_COMMAND", item.name), names.constant("ODS_NMT_STATE", item.to))
             for item in device.nmt_commands
+        ],
+        "error_behaviours": [
+            (value, names.constant("ODS_NMT_STATE", state.name)) for value, state in device.error_behaviour.items()
         ],
         "leds": leds,
         "led_phases": ", ".join(map(str, phases)),

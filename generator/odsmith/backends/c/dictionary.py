@@ -8,15 +8,14 @@ begins.
 from __future__ import annotations
 
 import struct
-import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from odsmith.backends.c.storage import SCOPES, Location, Scope, Storage, scope_of
+from odsmith.backends.c.storage import Location, Storage
 from odsmith.canopen_types import DataType, Place
 from odsmith.errors import SpecError
-from odsmith.model import Device, Entry, Object
+from odsmith.model import SCOPES, Device, Entry, Object, Scope
 from odsmith.rules import diagnose
 
 T = TypeVar("T")
@@ -37,6 +36,8 @@ FOLDED = 0x80
 
 _LIMIT_8 = 0xFF
 _LIMIT_16 = 0xFFFF
+
+_LONGEST_NUMBER = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,6 +153,8 @@ class Dictionary:
     """First entry of each scope, and the end."""
     communication_entries: int
     """Entries of the device that lie in 1000h to 1FFFh; they come first."""
+    buffer_size: int
+    """Octets of the largest value that has memory, but at least those of the longest number."""
     defaults: tuple[Default, ...]
     node_ids: tuple[NodeId, ...]
     layout: int
@@ -160,7 +163,7 @@ class Dictionary:
 def pack(device: Device) -> Dictionary:
     """The tables of a device. Raises SpecError where the dictionary does not fit into their format."""
     storage = Storage(device)
-    objects = sorted(device.objects, key=lambda obj: (SCOPES.index(scope_of(obj)), obj.index))
+    objects = sorted(device.objects, key=lambda obj: (SCOPES.index(obj.scope), obj.index))
     instances = _instances(device)
     tables = _Tables(storage)
     first_entries = {obj.name: tables.add_object(obj) for obj in objects}
@@ -168,7 +171,7 @@ def pack(device: Device) -> Dictionary:
     for obj in objects:
         pages.add_object(obj)
     pages.number()
-    counts = [sum(len(subs(obj)) for obj in objects if scope_of(obj) == scope) for scope in SCOPES]
+    counts = [sum(len(subs(obj)) for obj in objects if obj.scope == scope) for scope in SCOPES]
     return Dictionary(
         owners=tuple(pages.owners),
         map_of=tuple(pages.map_of),
@@ -183,12 +186,11 @@ def pack(device: Device) -> Dictionary:
         folds=tuple(pages.folds),
         instances=instances,
         scope_entries=tuple(sum(counts[:n]) for n in range(len(counts) + 1)),
-        communication_entries=sum(
-            len(subs(obj)) for obj in objects if scope_of(obj) == "device" and obj.index < 0x2000
-        ),
+        communication_entries=sum(len(subs(obj)) for obj in objects if obj.scope == "device" and obj.index < 0x2000),
+        buffer_size=max([_LONGEST_NUMBER, *(_octets(row) for row in tables.entries)]),
         defaults=tuple(_defaults(storage)),
         node_ids=tuple(_node_ids(storage)),
-        layout=layout_hash(device),
+        layout=device.layout,
     )
 
 
@@ -197,18 +199,11 @@ def subs(obj: Object) -> range:
     return range(obj.highest_sub + 1)
 
 
-def layout_hash(device: Device) -> int:
-    """Equal for two devices whose stored values mean the same: CRC-32 over what is stored, in bus order.
-
-    A record of stored values that carries another hash is not read (it is from a firmware with other parameters).
-    """
-    lines = [
-        f"{item.index:04X}:{item.entry.sub:02X} {item.entry.type} {item.entry.length} {item.entry.stored}\n"
-        for obj in device.expanded
-        for item in obj.entries
-        if item.entry.stored != "never"
-    ]
-    return zlib.crc32("".join(lines).encode())
+def _octets(row: PackedEntry) -> int:
+    """Octets of a value in memory; 0 for a constant."""
+    if row.entry is None or row.location is None:
+        return 0
+    return -(-row.entry.bit_length // 8)
 
 
 def constant_number(entry: Entry) -> int:
@@ -232,7 +227,7 @@ def _instances(device: Device) -> tuple[int, ...]:
     counts["axis"] = device.axes if any(obj.per_axis and not obj.pdo for obj in device.objects) else 0
     for obj in device.objects:
         if obj.pdo:
-            scope = scope_of(obj)
+            scope = obj.scope
             counts[scope] = max(counts[scope], obj.count * (device.axes if obj.per_axis else 1))
     return tuple(counts[scope] for scope in SCOPES)
 
@@ -379,7 +374,7 @@ class _Pages:
                 "a power of two up to 200h",
             )
         groups = self.device.axes if obj.per_axis else 1
-        first = self._first(scope_of(obj))
+        first = self._first(obj.scope)
         if obj.count > _LIMIT_8:
             raise _fail(f"{obj.count} PDOs are more than a fold can count", obj.place, "at most 255")
         fold = Fold(self.first_entries[obj.name], first, stride.bit_length() - 1, obj.count, groups, len(subs(obj)))
@@ -477,7 +472,7 @@ def _defaults(storage: Storage) -> Iterator[Default]:
             octets = (default.text or "").encode()
             if default.number or octets.strip(b"\0"):
                 ordinal = item.index - item.object.index
-                yield Default(scope_of(item.object), ordinal, location, entry.type, default.number, octets)
+                yield Default(item.object.scope, ordinal, location, entry.type, default.number, octets)
 
 
 def _node_ids(storage: Storage) -> Iterator[NodeId]:
@@ -485,7 +480,7 @@ def _node_ids(storage: Storage) -> Iterator[NodeId]:
         for expanded in item.entries:
             location = storage.location(item.object, expanded.entry)
             if location and expanded.default and expanded.default.node_id:
-                scope = scope_of(item.object)
+                scope = item.object.scope
                 ordinal = item.index - item.object.index - (item.axis or 0) * item.object.stride
                 instance = (item.axis or 0) * (item.object.count if item.object.pdo else 1) + ordinal
                 yield NodeId(scope, instance, location, expanded.entry.type)

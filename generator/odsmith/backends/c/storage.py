@@ -12,13 +12,10 @@ from functools import cached_property
 from typing import Literal
 
 from odsmith.canopen_types import DataType
-from odsmith.model import Device, Entry, Object
+from odsmith.model import Device, Entry, Object, Scope
 from odsmith.vocabulary import Role
 
-Scope = Literal["device", "axis", "rpdo", "tpdo"]
 Struct = Literal["device", "axis", "pdo"]
-
-SCOPES: tuple[Scope, ...] = ("device", "axis", "rpdo", "tpdo")
 
 _C_TYPES = {
     DataType.BOOLEAN: "uint8_t",
@@ -64,13 +61,6 @@ class Location:
         return path if self.element is None else f"{path}[{self.element}]"
 
 
-def scope_of(obj: Object) -> Scope:
-    """Whose values an object holds."""
-    if obj.pdo:
-        return "rpdo" if obj.pdo.startswith("rpdo") else "tpdo"
-    return "axis" if obj.per_axis else "device"
-
-
 def struct_of(scope: Scope) -> Struct:
     return "pdo" if scope == "rpdo" or scope == "tpdo" else scope
 
@@ -79,9 +69,12 @@ def is_constant(entry: Entry) -> bool:
     """True for an entry that needs no memory: nothing that happens can change what it reads.
 
     Beside what can not be written these are commands (a signature is acted upon, never kept), entries that can not
-    be read back, and those with a single value that may be written. A default with the node-ID is no constant.
+    be read back, and those with a single value that may be written. What is stored is no constant, nor is a default
+    with the node-ID, and a string that is written needs a place where it can come in piece by piece.
     """
-    if entry.role or (entry.default and entry.default.node_id):
+    if entry.role or entry.stored != "never" or (entry.default and entry.default.node_id):
+        return False
+    if entry.access.writable and not entry.type.bits:
         return False
     if not entry.access.writable or entry.signatures or not entry.access.readable:
         return True
@@ -115,7 +108,7 @@ class Storage:
     @cached_property
     def structs(self) -> tuple[Struct, ...]:
         """The structs that the device needs; it always has the first one."""
-        used = {struct_of(scope_of(obj)) for obj in self.device.objects}
+        used = {struct_of(obj.scope) for obj in self.device.objects}
         structs: tuple[Struct, ...] = ("device", "axis", "pdo")
         return tuple(struct for struct in structs if struct == "device" or struct in used)
 
@@ -127,7 +120,7 @@ class Storage:
         """Where the value of an entry lives; None for a constant."""
         if is_constant(entry):
             return None
-        struct = struct_of(scope_of(obj))
+        struct = struct_of(obj.scope)
         if not entry.role:
             return Location(struct, (_own_name(obj, entry),))
         role = self.device.roles[entry.role]
@@ -136,7 +129,7 @@ class Storage:
 
     def _entries(self, struct: Struct) -> Iterator[tuple[Object, Entry]]:
         for obj in self.device.objects:
-            if struct_of(scope_of(obj)) == struct:
+            if struct_of(obj.scope) == struct:
                 for entry in obj.entries:
                     yield obj, entry
 

@@ -497,8 +497,11 @@ def features(device: Device) -> Iterator[tuple[str, str]]:
         yield "Modes of operation", ", ".join(f"{mode.title} ({mode.short})" for mode in modes)
     if device.homing_methods:
         yield "Homing methods", ", ".join(str(method.method) for method in device.homing_methods)
-    digital = f"{identity.digital_inputs} digital, {identity.analog_inputs} analog"
-    yield "General inputs", digital if identity.digital_inputs or identity.analog_inputs else "none"
-    yield "General outputs", f"{identity.digital_outputs} digital" if identity.digital_outputs else "none"
+    yield "General inputs", _channels(identity.digital_inputs, identity.analog_inputs)
+    yield "General outputs", _channels(identity.digital_outputs, identity.analog_outputs)
     yield "Bit rates", ", ".join(str(rate) for rate in identity.bit_rates) + " kbit/s"
     yield "Emergencies", f"{len(device.emergencies)} messages" if device.emergencies else "none"
+
+
+def _channels(digital: int, analog: int) -> str:
+    return ", ".join(f"{count} {kind}" for count, kind in ((digital, "digital"), (analog, "analog")) if count) or "none"

@@ -15,7 +15,7 @@ from odsmith.backends.python import enums as python_enums
 from odsmith.backends.python import objects as python_objects
 from odsmith.backends.python import tables as tables
 from odsmith.backends.python.names import clashes, find_role
-from odsmith.backends.python.source import docstring, literal, reexports, string
+from odsmith.backends.python.source import Hex, docstring, literal, reexports, string
 from odsmith.errors import SpecError
 from odsmith.model import Device
 from odsmith.render import MARK, Backend
@@ -30,12 +30,12 @@ DEVICE_MODULES: Mapping[str, tuple[str, ...]] = {
     "homing": ("HOMING_METHODS",),
     "leds": ("LEDS",),
     "modes": ("MODES",),
-    "nmt": ("NMT_COMMANDS", "NMT_STATES"),
+    "nmt": ("ERROR_BEHAVIOUR", "NMT_COMMANDS", "NMT_STATES"),
     "objects": ("AxisObjects", "DeviceObjects"),
     "ramp": ("RAMP",),
     "recipes": ("RECIPES",),
     "state_machine": ("STATE_MACHINE", "decode_state"),
-    "storage": ("STORAGE_GROUPS",),
+    "storage": ("LAYOUT", "STORAGE_GROUPS"),
     "texts": (),
     "units": ("UNITS",),
 }
@@ -96,6 +96,8 @@ class PythonBackend(Backend):
             "ramp": tables.ramp(device),
             "recipes": tables.recipes(device),
             "step_classes": tables.step_classes(device),
+            "layout": Hex(device.layout, 8),
+            "error_behaviour": {value: state.code for value, state in device.error_behaviour.items()},
             "storage_groups": tables.named(device.storage_groups.values()),
         }
 

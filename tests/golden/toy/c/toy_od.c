@@ -164,6 +164,7 @@ const ods_od_t toy_od = {
     .areas = areas,
     .layout = 0xA0CF4D1Fu,
     .values_size = (uint16_t)sizeof(toy_values_t),
+    .buffer_size = TOY_BUFFER_SIZE,
     .communication_entries = 4,
     .scope_entries = { 0, 4, 8, 16, 16 },
     .scope_instances = { 0, 1, 3, 5, 5 },

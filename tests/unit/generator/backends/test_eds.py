@@ -42,6 +42,7 @@ IDENTITY = Identity(
     digital_inputs=0,
     digital_outputs=0,
     analog_inputs=0,
+    analog_outputs=0,
     eds=EDS,
 )
 EMPTY: dict[str, Any] = {

@@ -7,7 +7,7 @@ A drive with two axes.
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "f98be53454b24632"
+__spec_digest__ = "6aae47c988cea0ac"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .homing import HOMING_METHODS as HOMING_METHODS
     from .leds import LEDS as LEDS
     from .modes import MODES as MODES
+    from .nmt import ERROR_BEHAVIOUR as ERROR_BEHAVIOUR
     from .nmt import NMT_COMMANDS as NMT_COMMANDS
     from .nmt import NMT_STATES as NMT_STATES
     from .objects import AxisObjects as AxisObjects
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from .recipes import RECIPES as RECIPES
     from .state_machine import STATE_MACHINE as STATE_MACHINE
     from .state_machine import decode_state as decode_state
+    from .storage import LAYOUT as LAYOUT
     from .storage import STORAGE_GROUPS as STORAGE_GROUPS
     from .units import UNITS as UNITS
 else:
@@ -46,12 +48,12 @@ else:
             "homing": ("HOMING_METHODS",),
             "leds": ("LEDS",),
             "modes": ("MODES",),
-            "nmt": ("NMT_COMMANDS", "NMT_STATES"),
+            "nmt": ("ERROR_BEHAVIOUR", "NMT_COMMANDS", "NMT_STATES"),
             "objects": ("AxisObjects", "DeviceObjects"),
             "ramp": ("RAMP",),
             "recipes": ("RECIPES",),
             "state_machine": ("STATE_MACHINE", "decode_state"),
-            "storage": ("STORAGE_GROUPS",),
+            "storage": ("LAYOUT", "STORAGE_GROUPS"),
             "texts": (),
             "units": ("UNITS",),
         },

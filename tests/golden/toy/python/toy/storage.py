@@ -5,6 +5,9 @@ from __future__ import annotations
 
 from odsmith_runtime.rows import Named
 
+LAYOUT = 0xA0CF4D1F
+"""Equal only for devices whose stored values mean the same."""
+
 STORAGE_GROUPS: dict[str, Named] = {
     "motor": Named(
         name="motor",

@@ -28,12 +28,29 @@ def files(tmcm3230: Device, io_module: Device, vocabulary: Vocabulary) -> dict[s
 
 def test_names(files: dict[str, str]) -> None:
     devices = [
-        f"{name}/c/{name}_{part}.{kind}"
+        f"{name}/c/{name}{part}.{kind}"
         for name in ("io_module", "tmcm3230")
-        for part in ("device", "od")
+        for part in ("", "_device", "_od")
         for kind in "ch"
     ]
     assert sorted(files) == ["cia/c/ods/values.h", "cia/c/ods/vocabulary.h", *devices]
+
+
+def test_the_tables_know_nothing_of_nodes(files: dict[str, str]) -> None:
+    """Whoever wants a dictionary alone need not take the runtime."""
+    users = [path for path, text in files.items() if "ods/node.h" in text or "ods_node" in text]
+    assert users == [f"{name}/c/{name}.{kind}" for name in ("tmcm3230", "io_module") for kind in "ch"]
+
+
+def test_the_memory_of_a_node_has_no_empty_arrays(files: dict[str, str], io_module: Device) -> None:
+    assert "axes" not in files["io_module/c/io_module.h"]
+    assert "        .axes = NULL,\n" in files["io_module/c/io_module.c"]
+    without = rendered(replace(io_module, objects=tuple(obj for obj in io_module.objects if not obj.pdo), pdos=()))
+    members = re.search(r"typedef struct \{\n(.*?)\} io_module_t;", without["io_module/c/io_module.h"], re.DOTALL)
+    assert members
+    names = [line.split()[1] for line in members[1].splitlines()]
+    assert names == ["node;", "values;", "buffer[IO_MODULE_BUFFER_SIZE];"]
+    assert without["io_module/c/io_module.c"].count("NULL") == 4
 
 
 def test_each_file_says_what_it_is(files: dict[str, str]) -> None:

@@ -17,14 +17,13 @@ from odsmith.backends.c.dictionary import (
     Dictionary,
     Interval,
     PackedEntry,
-    layout_hash,
     overlap,
     pack,
 )
 from odsmith.backends.c.storage import Location
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection
 from odsmith.errors import SpecError
-from odsmith.model import Allowed, AxisArea, Default, Device, Entry, Object
+from odsmith.model import SCOPES, Allowed, AxisArea, Default, Device, Entry, Object
 from odsmith.vocabulary import Signature
 
 U8, U16, U32, U64 = DataType.UNSIGNED8, DataType.UNSIGNED16, DataType.UNSIGNED32, DataType.UNSIGNED64
@@ -268,17 +267,40 @@ def test_power_on_values(tmcm3230: Device) -> None:
     assert added == [("device", 0), *(("rpdo", n) for n in range(4)), *(("tpdo", n) for n in range(4))]
 
 
-def test_the_layout_is_what_is_stored(tmcm3230: Device) -> None:
-    """A text may change; another type, group or axis may not."""
-    changed = tuple(replace(obj, text="other words") for obj in tmcm3230.objects)
-    assert layout_hash(replace(tmcm3230, objects=changed)) == layout_hash(tmcm3230)
-    assert layout_hash(replace(tmcm3230, axes=2)) != layout_hash(tmcm3230)
-    (index, stored) = next(
-        (n, obj) for n, obj in enumerate(tmcm3230.objects) if obj.entries[0].stored == "motor" and obj.per_axis
-    )
-    objects = list(tmcm3230.objects)
-    objects[index] = replace(stored, entries=(replace(stored.entries[0], stored="profile"), *stored.entries[1:]))
-    assert layout_hash(replace(tmcm3230, objects=tuple(objects))) != layout_hash(tmcm3230)
+def scan(tables: Dictionary) -> Iterator[tuple[str, int, str, int]]:
+    """What is stored as the C runtime comes by it: for each instance each entry of its scope whose rule has a group."""
+    for scope, count in enumerate(tables.instances):
+        for instance in range(count):
+            for row in tables.entries[tables.scope_entries[scope] : tables.scope_entries[scope + 1]]:
+                if tables.rules[row.rule].group:
+                    assert row.location, "what is stored has memory"
+                    yield SCOPES[scope], instance, row.object.name, row.sub
+
+
+@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "drive"])
+def test_what_is_stored_stands_in_the_order_of_the_record(name: str, request: pytest.FixtureRequest) -> None:
+    device: Device = request.getfixturevalue(name)
+    names = {item.index: item for item in device.expanded}
+    scanned = []
+    for entry in device.record:
+        item = names[entry.index]
+        instance = (entry.axis or 0) * item.object.count
+        instance += item.index - item.object.index - (entry.axis or 0) * item.object.stride
+        scanned.append((item.object.scope, instance, item.object.name, entry.entry.sub))
+    assert scanned == list(scan(pack(device)))
+    assert len({scope for scope, *_ in scanned}) > 1
+    assert pack(device).layout == device.layout
+
+
+def test_the_buffer_holds_every_value_that_has_memory(nothing: Device) -> None:
+    """Numbers of any length fit; a constant is sent from where it lies."""
+    text = entry(type=DataType.VISIBLE_STRING, length=20)
+    constant = replace(text, access=Access.CONST, effect="")
+    assert pack(replace(nothing, objects=(thing(0x2000),))).buffer_size == 8
+    assert pack(replace(nothing, objects=(thing(0x2000, constant),))).buffer_size == 8
+    assert pack(replace(nothing, objects=(thing(0x2000, constant), thing(0x2001, text)))).buffer_size == 20
+    written_only = replace(text, access=Access.WO, type=DataType.OCTET_STRING, length=9)
+    assert pack(replace(nothing, objects=(thing(0x2000, written_only),))).buffer_size == 9
 
 
 def test_overlap_never_changes_a_window() -> None:

@@ -44,6 +44,8 @@ def thing(*entries: Entry, **changes: object) -> Object:
         ),
         pytest.param({"signatures": (Signature("save", 0x65766173, ""),)}, True, id="a command keeps nothing"),
         pytest.param({"access": Access.WO}, True, id="never read back"),
+        pytest.param({"access": Access.WO, "type": DataType.DOMAIN, "length": 9}, False, id="comes in piece by piece"),
+        pytest.param({"access": Access.WO, "stored": "motor"}, False, id="what is stored has to be somewhere"),
         pytest.param({"allowed": Allowed(((2, 2),), listed=True), "default": Default(2)}, True, id="one allowed value"),
         pytest.param(
             {"allowed": Allowed(((2, 2),), listed=True), "default": Default(1)},

@@ -174,6 +174,7 @@ TOY = Device(
         digital_inputs=1,
         digital_outputs=2,
         analog_inputs=3,
+        analog_outputs=4,
         eds=EDS,
         firmware=(Revision("1.0", "2019-01-01", HOSTILE),),
         changes=(Revision("2.0", "2020-01-01", HOSTILE),),

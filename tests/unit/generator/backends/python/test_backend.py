@@ -7,6 +7,7 @@ import dataclasses
 import importlib
 import subprocess
 import sys
+import zlib
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -356,6 +357,31 @@ def test_every_row_of_the_tables(package: Package) -> None:
     for led, folded in zip(module.LEDS.values(), model.leds, strict=True):
         names = "name title steady phases when priority text"
         assert columns(led.patterns, names) == columns(folded.patterns, names)
+
+
+def test_error_behaviour(package: Package) -> None:
+    """As in the model: the value of 1029h, and the code of the state that it leads to."""
+    model = package.model
+    assert {value: state.code for value, state in model.error_behaviour.items()} == package.module.ERROR_BEHAVIOUR
+    assert set(package.module.ERROR_BEHAVIOUR.values()) <= package.module.NMT_STATES.keys()
+
+
+def test_the_layout_follows_from_the_package(package: Package) -> None:
+    """A program that has the package alone can put the stored entries in order, and finds the same CRC-32."""
+
+    def instance(obj: Any) -> tuple[int, int, int]:
+        """Its scope, the axis, and the PDO of the axis."""
+        scope = ("", "rpdo", "tpdo").index(obj.pdo[:4]) + 1 if obj.pdo or obj.axis is not None else 0
+        return scope, obj.axis or 0, obj.number
+
+    lines = [
+        f"{obj.index:04X}:{entry.sub:02X} {entry.type} {entry.length} {entry.stored}\n"
+        for obj in sorted(package.dictionary.values(), key=lambda obj: (instance(obj), obj.index))
+        for entry in obj
+        if entry.stored != "never"
+    ]
+    assert len(lines) == len(package.model.record)
+    assert zlib.crc32("".join(lines).encode()) == package.module.LAYOUT
 
 
 def test_words_of_emergencies(package: Package) -> None:

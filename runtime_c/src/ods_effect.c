@@ -1,0 +1,98 @@
+#include "ods_effect.h"
+
+#include "ods_axis.h"
+#include "ods_core.h"
+#include "ods_emcy.h"
+#include "ods_heartbeat.h"
+#include "ods_io.h"
+#include "ods_os_command.h"
+#include "ods_pdo.h"
+#include "ods_store.h"
+#include "ods_sync.h"
+
+uint32_t ods_effect_state(const ods_node_t *node, const ods_target_t *target, uint8_t effect)
+{
+    switch (effect) {
+    case ODS_EFFECT_PDO_MAPPED_COUNT:
+        return ods_pdo_count_state(node, target);
+    case ODS_EFFECT_PDO_MAPPING:
+        return ods_pdo_mapping_state(node, target);
+    case ODS_EFFECT_OS_COMMAND:
+        return (node->common->tmcl_mode == 0u) ? ODS_ABORT_DEVICE_STATE : 0u;
+    default:
+        return 0;
+    }
+}
+
+uint32_t ods_effect_check(ods_node_t *node, const ods_target_t *target, uint8_t effect, uint32_t *value)
+{
+    switch (effect) {
+    case ODS_EFFECT_COB_ID_SYNC:
+        return ods_sync_check_cob_id(*value);
+    case ODS_EFFECT_COB_ID_EMCY:
+        return ods_emcy_check_cob_id(*value);
+    case ODS_EFFECT_CONSUMER_HEARTBEAT:
+        return ods_heartbeat_check_consumer(node, target->sub, *value);
+    case ODS_EFFECT_PDO_COB_ID:
+        return ods_pdo_check_cob_id(node, target, *value);
+    case ODS_EFFECT_PDO_MAPPED_COUNT:
+        return ods_pdo_check_count(node, target, *value);
+    case ODS_EFFECT_PDO_MAPPING:
+        return ods_pdo_check_mapping(node, target, *value);
+    case ODS_EFFECT_STORE:
+        return ods_store_save(node, target->index, target->sub);
+    case ODS_EFFECT_RESTORE:
+        return ods_store_restore(node, target->index, target->sub);
+    case ODS_EFFECT_TMCL_MODE:
+    case ODS_EFFECT_MANUFACTURER_MODE:
+        *value = (*value == ODS_SIGNATURE_MAKE) ? 1u : 0u;
+        return 0;
+    default:
+        return 0;
+    }
+}
+
+void ods_effect_apply(ods_node_t *node, const ods_target_t *target, uint8_t effect)
+{
+    if (ods_is_axis_instance(node, target->ref.instance)) {
+        ods_axis_written(node, target->ref.instance - node->od->scope_instances[ODS_SCOPE_AXIS], effect);
+        return;
+    }
+    switch (effect) {
+    case ODS_EFFECT_GUARD_TIME:
+        ods_heartbeat_guard_written(node);
+        break;
+    case ODS_EFFECT_COB_ID_EMCY:
+        node->work |= ODS_WORK_EMCY;
+        break;
+    case ODS_EFFECT_CONSUMER_HEARTBEAT:
+        ods_heartbeat_consumer_written(node, target->sub);
+        break;
+    case ODS_EFFECT_PRODUCER_HEARTBEAT:
+        ods_heartbeat_producer_written(node);
+        break;
+    case ODS_EFFECT_PDO_COB_ID:
+        ods_pdo_cob_id_written(node, target->ref.instance);
+        break;
+    case ODS_EFFECT_PDO_MAPPED_COUNT:
+    case ODS_EFFECT_PDO_MAPPING:
+        ods_pdo_activate(node, target->ref.instance);
+        break;
+    case ODS_EFFECT_PDO_PARAMETER:
+        ods_pdo_parameter_written(node, target->ref.instance, target->sub);
+        break;
+    case ODS_EFFECT_OS_COMMAND:
+        ods_os_command_run(node);
+        break;
+    case ODS_EFFECT_TMCL_MODE:
+        ods_axis_update_all(node);
+        break;
+    case ODS_EFFECT_DIGITAL_OUTPUTS:
+    case ODS_EFFECT_OUTPUT_MASK:
+    case ODS_EFFECT_ANALOG_OUTPUTS:
+        node->work |= ODS_WORK_OUTPUT;
+        break;
+    default:
+        break;
+    }
+}

@@ -1,0 +1,86 @@
+/*
+ * Values of the dictionary: reading and writing them by their entry, their defaults, and the check of their range.
+ * ods/od.h says how the tables are read.
+ */
+#ifndef ODS_OD_VALUES_H
+#define ODS_OD_VALUES_H
+
+#include "ods/od.h"
+
+/* Whether the type is a number; else it is a string or a domain. */
+static inline int ods_od_is_number(uint32_t kind)
+{
+    return (kind & ODS_TYPE_MASK) >= ODS_U8;
+}
+
+/* Octets of a number. */
+static inline uint32_t ods_od_number_size(uint32_t kind)
+{
+    return 1u << (kind & 3u);
+}
+
+/* Whether a number has 8 octets; the functions for numbers below do not take it. */
+static inline int ods_od_is_long(uint32_t kind)
+{
+    return (kind & 3u) == 3u;
+}
+
+static inline void *ods_od_value(const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref)
+{
+    return values + od->bases[ref->instance] + ref->entry->at;
+}
+
+/* The bits of a number of up to 4 octets, those above being 0. */
+static inline uint32_t ods_od_number(const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref)
+{
+    const uint32_t kind = ref->entry->kind;
+    const uint32_t size = kind & 3u;
+    if ((kind & ODS_CONST) != 0u) {
+        return (size == 2u) ? od->words[ref->entry->at] : ref->entry->at;
+    }
+    const void *const value = ods_od_value(od, values, ref);
+    if (size == 2u) {
+        return *(const uint32_t *)value;
+    }
+    return (size == 0u) ? *(const uint8_t *)value : *(const uint16_t *)value;
+}
+
+/* Put a number of up to 4 octets in place. Constants stay what they are. */
+static inline void ods_od_set_number(const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, uint32_t number)
+{
+    const uint32_t kind = ref->entry->kind;
+    const uint32_t size = kind & 3u;
+    if ((kind & ODS_CONST) != 0u) {
+        return;
+    }
+    void *const value = ods_od_value(od, values, ref);
+    if (size == 2u) {
+        *(uint32_t *)value = number;
+    } else if (size == 0u) {
+        *(uint8_t *)value = (uint8_t)number;
+    } else {
+        *(uint16_t *)value = (uint16_t)number;
+    }
+}
+
+/* Octets that an entry can have: of a string in memory the most that fit. */
+uint16_t ods_od_room(const ods_od_t *od, const ods_od_entry_t *entry);
+
+/*
+ * The octets of an entry as they go over the bus. A string or domain stands where the result points to; a number is
+ * written into `number` first. `length` becomes their number.
+ */
+const uint8_t *ods_od_octets(
+    const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, uint8_t number[8], uint16_t *length);
+
+/* Put octets in place, as many as the entry takes: a string that is shorter ends with a 0. */
+void ods_od_set_octets(
+    const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, const uint8_t *octets, uint16_t length);
+
+/* Whether a rule allows a number of up to 4 octets: 0 or the abort code that says why not. */
+uint32_t ods_od_check(const ods_od_t *od, const ods_od_entry_t *entry, const ods_od_rule_t *rule, uint32_t number);
+
+/* All values, or those of 1000h to 1FFFh alone, as the specification has them at power-on under a node-ID. */
+void ods_od_defaults(const ods_od_t *od, uint8_t *values, uint8_t node_id, int communication_only);
+
+#endif
