@@ -12,7 +12,7 @@ import io
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
@@ -107,6 +107,14 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("--backend", action="append", default=[], metavar="NAME", help="run only this one; repeatable")
     build.set_defaults(run=_build)
 
+    export = commands.add_parser(
+        "export-c", parents=[common], help="write the C runtime and a device as a CMake project of its own"
+    )
+    export.add_argument("folder", type=Path, metavar="DIR", help="where the project goes")
+    export.add_argument("device", help="a device of the project, or a YAML file")
+    export.add_argument("--force", action="store_true", help="overwrite files that were not written by this command")
+    export.set_defaults(run=_export_c)
+
     lint = commands.add_parser("lint", parents=[common], help="report what is wrong with specs, EDS and DCF files")
     lint.add_argument(
         "device", nargs="*", help="a device of the project, or a YAML, EDS or DCF file (default: all of spec/)"
@@ -159,20 +167,38 @@ def _build(options: argparse.Namespace) -> int:
     folder = options.out or options.project / "generated"
     differences = compare(outputs, folder) if options.check else write(outputs, folder)
     if options.json:
-        _print_json(
-            {
-                "folder": str(folder),
-                "files": len(outputs),
-                "changed": differences.changed,
-                "missing": differences.missing,
-                "left_over": differences.left_over,
-                "warnings": [warning.to_json() for warning in warnings],
-            }
-        )
+        _print_json(_written(folder, len(outputs), differences, warnings))
     else:
         report = _print_stale if options.check else _print_written
         report(differences, len(outputs), folder)
     return FINDINGS if options.check and differences else FINE
+
+
+def _export_c(options: argparse.Namespace) -> int:
+    from odsmith.export_c import export, project
+    from odsmith.project import compile_all, select
+
+    (compiled,) = compile_all(select(options.project, [options.device]))
+    if not options.json:
+        _print_diagnostics(compiled.warnings, compiled.loaded.texts, options)
+    outputs = project(compiled)
+    differences = export(outputs, options.folder, force=options.force)
+    if options.json:
+        _print_json(_written(options.folder, len(outputs), differences, compiled.warnings))
+    else:
+        _print_written(differences, len(outputs), options.folder)
+    return FINE
+
+
+def _written(folder: Path, files: int, differences: Differences, warnings: Iterable[Diagnostic]) -> dict[str, object]:
+    return {
+        "folder": str(folder),
+        "files": files,
+        "changed": differences.changed,
+        "missing": differences.missing,
+        "left_over": differences.left_over,
+        "warnings": [warning.to_json() for warning in warnings],
+    }
 
 
 def _print_stale(differences: Differences, files: int, folder: Path) -> None:

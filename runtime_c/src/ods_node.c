@@ -33,14 +33,13 @@ static int is_tick_armed(const ods_node_t *node)
 
 static void tick(ods_node_t *node)
 {
-    const int is_watching = node->heartbeat.life_ticks != 0u;
     ods_timer_stop(node, ODS_TIMER_TICK);
     node->deadlines[ODS_TIMER_TICK] = node->now + ODS_TICK_US;
     ods_io_tick(node);
     for (uint8_t axis = 0; axis < node->device->axes; axis++) {
         ods_axis_tick(node, axis);
     }
-    if (is_watching || is_tick_armed(node)) {
+    if (is_tick_armed(node)) {
         ods_tick_arm(node);
     }
 }

@@ -8,10 +8,14 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from collections.abc import Callable
 from importlib import metadata
 from pathlib import Path
 
 import pytest
+
+from odsmith.compile import compile_spec
+from odsmith.export_c import project
 
 pytestmark = pytest.mark.slow
 
@@ -96,6 +100,36 @@ def test_an_installed_wheel_builds_the_bytes_of_the_checkout(root: Path, wheel: 
             assert content == (root / "generated" / path).read_bytes(), path
 
 
+def test_an_installed_wheel_exports_a_project(
+    root: Path, wheel: Path, tool: Callable[[str], str], tmp_path: Path
+) -> None:
+    """The same bytes as the checkout exports, which build with CMake and without it."""
+    python = _environment(tmp_path / "env", wheel, "jinja2", "jsonschema-rs", "pyyaml", "rich")
+    _run(python, "-m", "odsmith.cli", "export-c", "node", "tmcm6212", cwd=tmp_path)
+    node = tmp_path / "node"
+    exported = {path.relative_to(node).as_posix(): path.read_bytes() for path in node.rglob("*") if path.is_file()}
+    compiled = compile_spec(root / "spec" / "tmcm6212.yaml")
+    assert exported == {output.path: output.content for output in project(compiled)}
+
+    compiler = tool("cc")
+    sources = [path for folder in ("src", "device", "port/host") for path in sorted((node / folder).glob("*.c"))]
+    subprocess.run(
+        [compiler, "-std=c99", "-Wall", "-Wextra", "-Werror", "-Iinclude", "-Idevice", *sources, "-o", "plain"],
+        cwd=node,
+        check=True,
+    )
+    assert _boots(node / "plain")
+    cmake = tool("cmake")
+    subprocess.run([cmake, "-B", "build", "-DCMAKE_C_FLAGS=-Werror"], cwd=node, check=True, capture_output=True)
+    subprocess.run([cmake, "--build", "build"], cwd=node, check=True, capture_output=True)
+    assert _boots(node / "build" / "tmcm6212_host")
+
+
+def _boots(program: Path) -> bool:
+    done = subprocess.run([program], input="601#4000100000000000\n", capture_output=True, text=True, check=True)
+    return [line.split()[-1] for line in done.stdout.splitlines()] == ["701#00", "581#430010009201FCFF"]
+
+
 def test_the_packaged_library_serves_includes(root: Path, wheel: Path, tmp_path: Path) -> None:
     python = _environment(tmp_path / "env", wheel, "jinja2", "jsonschema-rs", "pyyaml", "rich")
     (tmp_path / "my_drive.yaml").write_bytes((root / "tests" / "golden" / "toy.yaml").read_bytes())
@@ -119,7 +153,13 @@ def test_the_client_side_needs_nothing_else(root: Path, wheel: Path, tmp_path: P
 def test_the_wheel_has_no_file_too_many(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".egg-info", ".keep"))]
-    for needed in ("odsmith/spec/schema.json", "odsmith/spec/trinamic/motor.yaml", "odsmith/py.typed"):
+    for needed in (
+        "odsmith/py.typed",
+        "odsmith/runtime_c/README.md",
+        "odsmith/runtime_c/include/ods/node.h",
+        "odsmith/spec/schema.json",
+        "odsmith/spec/trinamic/motor.yaml",
+    ):
         assert needed in names
     assert any(name.startswith("odsmith/templates/c/") for name in names)
 
