@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from tests.cross.build import Build, build_testee, shared_folder
+from tests.cross.driver import Testee
 
 from odsmith.compile import compile_file
 from odsmith.model import Device
@@ -78,3 +80,34 @@ def io_module() -> Device:
 @pytest.fixture(scope="session")
 def vocabulary() -> Vocabulary:
     return compile_file(ROOT / "spec" / "cia" / "cia.yaml")
+
+
+@pytest.fixture(scope="session")
+def c_build() -> Build:
+    """How C is compiled."""
+    return Build()
+
+
+@pytest.fixture(scope="session")
+def c_testee(
+    c_build: Build, vocabulary: Vocabulary, tmp_path_factory: pytest.TempPathFactory
+) -> Callable[[Device], Path]:
+    """The program that is the C testee of a device; compiled once in a test run."""
+    folder = shared_folder(tmp_path_factory.getbasetemp())
+    return lambda device: build_testee(device, vocabulary, c_build, folder)
+
+
+@pytest.fixture
+def start(c_testee: Callable[[Device], Path]) -> Iterator[Callable[..., Testee]]:
+    """`start(device, node_id=5)` starts a testee, still without power. It gives no abort code that is not declared."""
+    running: list[tuple[Device, Testee]] = []
+
+    def begin(device: Device, *, node_id: int = 0, serial: int = 0, time: int = 0) -> Testee:
+        testee = Testee([str(c_testee(device))], node_id=node_id, serial=serial, time=time)
+        running.append((device, testee))
+        return testee
+
+    yield begin
+    for device, testee in running:
+        testee.close()
+        assert testee.abort_codes <= {code.code for code in device.abort_codes if code.used}

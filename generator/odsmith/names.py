@@ -14,7 +14,10 @@ _C_WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register
 restrict return short signed sizeof static struct switch typedef union unsigned void volatile while asm bool true false
 near far interrupt class namespace private protected public template this typename using virtual new delete operator
-throw try catch friend explicit export mutable and or not xor bitand bitor compl errno stdin stdout stderr NULL offsetof
+throw try catch friend explicit export mutable and or not xor bitand bitor compl and_eq or_eq xor_eq not_eq alignas
+alignof char8_t char16_t char32_t co_await co_return co_yield concept consteval constexpr constinit const_cast decltype
+dynamic_cast noexcept nullptr reinterpret_cast requires static_assert static_cast thread_local typeid wchar_t typeof
+linux unix errno stdin stdout stderr NULL offsetof
 """
 _RESERVED_IN_C = frozenset(re.findall(r"\w+", _C_WORDS))
 

@@ -37,7 +37,8 @@ void ods_axis_update(ods_node_t *node, uint8_t axis)
     const uint32_t conditions = node->axes[axis].conditions;
     uint32_t status = state_bits(node, node->axes[axis].state);
 
-    if ((node->io.enable != 0u) && ((conditions >> ODS_CONDITION_UNDERVOLTAGE) & 1u) == 0u) {
+    if ((((node->emcy.conditions >> ODS_CONDITION_SHUTDOWN_SWITCH) & 1u) == 0u) &&
+        (((conditions >> ODS_CONDITION_UNDERVOLTAGE) & 1u) == 0u)) {
         status |= STATUS_VOLTAGE_ENABLED;
     }
     if (is_warned(node, conditions)) {

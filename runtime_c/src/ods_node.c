@@ -93,9 +93,8 @@ static void finish(ods_node_t *node)
 /* ---- time ----------------------------------------------------------------------------------------------------------- */
 
 /* The next instant at which something is due, or the horizon. */
-static uint32_t earliest(const ods_node_t *node)
+static uint32_t earliest(const ods_node_t *node, uint32_t horizon)
 {
-    const uint32_t horizon = node->now + HORIZON_US;
     uint32_t at = horizon;
     for (uint32_t timer = 0; timer < (uint32_t)ODS_TIMERS; timer++) {
         if (ods_timer_armed(node, timer) && ods_before(node->deadlines[timer], at)) {
@@ -109,7 +108,8 @@ static uint32_t earliest(const ods_node_t *node)
 static void catch_up(ods_node_t *node, uint32_t now)
 {
     while (!ods_before(now, node->wake)) {
-        node->wake = earliest(node);
+        /* The grid of ticks must not fall behind, however little happens: work_off() moves it on. */
+        node->wake = earliest(node, node->deadlines[ODS_TIMER_TICK] + HORIZON_US);
         if (ods_before(now, node->wake)) {
             break;
         }
@@ -128,8 +128,9 @@ void ods_node_advance(ods_node_t *node, uint32_t now)
 
 int ods_node_next(const ods_node_t *node, uint32_t *at)
 {
-    const uint32_t next = earliest(node);
-    if (next == node->now + HORIZON_US) {
+    const uint32_t horizon = node->now + HORIZON_US;
+    const uint32_t next = earliest(node, horizon);
+    if (next == horizon) {
         return 0;
     }
     *at = next;

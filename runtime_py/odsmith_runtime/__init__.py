@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from .errors import WrongLengthError as WrongLengthError
     from .errors import WrongSignatureError as WrongSignatureError
     from .errors import WrongTypeError as WrongTypeError
+    from .identity import Identity as Identity
     from .leds import Led as Led
     from .leds import LedPattern as LedPattern
     from .modes import HomingMethodInfo as HomingMethodInfo
@@ -117,6 +118,7 @@ if not TYPE_CHECKING:  # hidden from type checkers, who would take any name for 
                 "WrongSignatureError",
                 "WrongTypeError",
             ),
+            "identity": ("Identity",),
             "leds": ("Led", "LedPattern"),
             "modes": ("HomingMethodInfo", "ModeInfo", "RampParameter"),
             "nmt": ("NmtCommandInfo", "NmtStateInfo"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from odsmith.check.dictionary import check_dictionary
 from odsmith.check.drive import check_drive, check_vocabulary
 from odsmith.check.errata import check_errata
-from odsmith.check.identifiers import check_identifiers
+from odsmith.check.identifiers import check_identifiers, check_roles
 from odsmith.check.pdos import check_pdos
 from odsmith.check.places import Places
 from odsmith.errors import Diagnostic
@@ -16,7 +16,7 @@ from odsmith.vocabulary import Vocabulary
 
 def check(model: Device | Vocabulary, spec: Map) -> list[Diagnostic]:
     """Every finding about a model, errors and warnings; `spec` is the merged tree that it was resolved from."""
-    findings = list(check_vocabulary(model))
+    findings = [*check_vocabulary(model), *check_roles(model)]
     if isinstance(model, Device):
         places = Places(spec)
         findings += check_dictionary(model, places)

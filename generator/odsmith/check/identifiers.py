@@ -10,6 +10,7 @@ from odsmith.check.dictionary import label
 from odsmith.errors import Diagnostic
 from odsmith.model import Device, Entry, Object
 from odsmith.rules import diagnose
+from odsmith.vocabulary import Vocabulary
 
 EDS_NAME_LENGTH = 241
 """Longest ParameterName (CiA 306, clause 4.6.3.2)."""
@@ -25,6 +26,12 @@ def check_identifiers(device: Device) -> Iterator[Diagnostic]:
         yield from _reserved(obj.name, obj.place)
         for entry in obj.entries:
             yield from _members(obj, entry)
+
+
+def check_roles(vocabulary: Vocabulary) -> Iterator[Diagnostic]:
+    """Roles are fields of the runtimes' structs in C and attributes in Python, under their own names."""
+    for role in vocabulary.roles.values():
+        yield from _reserved(role.name, role.place)
 
 
 def _constants(device: Device) -> Iterator[Diagnostic]:

@@ -24,7 +24,7 @@ def resolve_identity(node: Node) -> Identity:
         order_code=node.get("order_code", node["name"]),
         profile=node["profile"],
         manual=node.get("manual", ""),
-        bit_rates=tuple(node["bit_rates"]),
+        bit_rates=tuple(sorted(node["bit_rates"])),
         digital_inputs=section(node, "inputs").get("digital", 0),
         digital_outputs=section(node, "outputs").get("digital", 0),
         analog_inputs=section(node, "inputs").get("analog", 0),

@@ -408,6 +408,16 @@ def test_names_of_sub_indices_count_too(findings_of: FindingsOf) -> None:
     assert [item.message for item in found] == ["`long` is a word of C"]
 
 
+@pytest.mark.parametrize(
+    ("name", "languages"), [("double", "C"), ("lambda", "Python"), ("continue", "C and of Python"), ("match", "")]
+)
+def test_names_of_roles_count_too(name: str, languages: str, findings_of: FindingsOf) -> None:
+    found = findings_of(f"roles: {{{name}: {{scope: device, type: UNSIGNED8, text: A value.}}}}")
+    assert [(item.rule, item.message) for item in found] == (
+        [("E452", f"`{name}` is a word of {languages}")] if languages else []
+    )
+
+
 def test_members_of_one_entry_differ_in_name(findings_of: FindingsOf) -> None:
     found = findings_of(spare("bits: {'0': {name: same, text: A.}, '1': {name: same, text: B.}}"))
     assert rules(found) == ["E453"]

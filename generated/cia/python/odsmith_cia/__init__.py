@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from .state_machine import STATE_MACHINE as STATE_MACHINE
     from .state_machine import decode_state as decode_state
     from .units import UNITS as UNITS
+    from .values import AxisValues as AxisValues
+    from .values import DeviceValues as DeviceValues
+    from .values import PdoValues as PdoValues
     from .words import Condition as Condition
     from .words import Effect as Effect
     from .words import PdsCommand as PdsCommand
@@ -42,6 +45,7 @@ else:
             "roles": ("ROLES",),
             "state_machine": ("STATE_MACHINE", "decode_state"),
             "units": ("UNITS",),
+            "values": ("AxisValues", "DeviceValues", "PdoValues"),
             "words": ("Condition", "Effect", "PdsCommand", "PdsEvent", "PdsState", "Reaction"),
         },
     )

@@ -91,6 +91,7 @@ if TYPE_CHECKING:
     from .flags import TpdoMappingMapping2 as TpdoMappingMapping2
     from .flags import TpdoMappingMapping3 as TpdoMappingMapping3
     from .homing import HOMING_METHODS as HOMING_METHODS
+    from .identity import IDENTITY as IDENTITY
     from .leds import LEDS as LEDS
     from .modes import MODES as MODES
     from .nmt import ERROR_BEHAVIOUR as ERROR_BEHAVIOUR
@@ -185,6 +186,7 @@ else:
                 "TpdoMappingMapping3",
             ),
             "homing": ("HOMING_METHODS",),
+            "identity": ("IDENTITY",),
             "leds": ("LEDS",),
             "modes": ("MODES",),
             "nmt": ("ERROR_BEHAVIOUR", "NMT_COMMANDS", "NMT_STATES"),

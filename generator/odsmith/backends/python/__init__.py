@@ -16,6 +16,7 @@ from odsmith.backends.python import objects as python_objects
 from odsmith.backends.python import tables as tables
 from odsmith.backends.python.names import clashes, find_role
 from odsmith.backends.python.source import Hex, docstring, literal, reexports, string
+from odsmith.backends.python.values import CLASSES, holders
 from odsmith.errors import SpecError
 from odsmith.model import Device
 from odsmith.render import MARK, Backend
@@ -28,6 +29,7 @@ DEVICE_MODULES: Mapping[str, tuple[str, ...]] = {
     "enums": (),
     "flags": (),
     "homing": ("HOMING_METHODS",),
+    "identity": ("IDENTITY",),
     "leds": ("LEDS",),
     "modes": ("MODES",),
     "nmt": ("ERROR_BEHAVIOUR", "NMT_COMMANDS", "NMT_STATES"),
@@ -49,6 +51,7 @@ VOCABULARY_MODULES: Mapping[str, tuple[str, ...]] = {
     "roles": ("ROLES",),
     "state_machine": ("STATE_MACHINE", "decode_state"),
     "units": ("UNITS",),
+    "values": tuple(name for name, _ in CLASSES.values()),
     "words": (),
 }
 """The same for the vocabulary."""
@@ -76,6 +79,7 @@ class PythonBackend(Backend):
             **_modules({**DEVICE_MODULES, "enums": _names(enums), "flags": _names(flags)}),
             "device": device,
             "identity": device.identity,
+            "name_plate": tables.identity(device),
             "example": _example(device),
             "areas": tables.areas(device),
             "objects": tables.objects(device),
@@ -116,6 +120,7 @@ class PythonBackend(Backend):
             "conditions": tables.conditions(vocabulary.conditions.values()),
             "reactions": tables.named(vocabulary.reactions.values()),
             "roles": tables.roles(vocabulary),
+            "holders": list(holders(vocabulary)),
         }
 
 

@@ -145,6 +145,15 @@ def _row(function: str, element: Any, columns: str, **others: Any) -> Call:
     return Call(function, arguments)
 
 
+def identity(device: Device) -> Call:
+    columns = (
+        "name title vendor_id:8 product_code:8 revision_number:8 bit_rates "
+        "digital_inputs digital_outputs analog_inputs analog_outputs axes"
+    )
+    bit_rates = tuple(sorted(device.identity.bit_rates))
+    return _row("Identity", device.identity, columns, bit_rates=bit_rates, axes=device.axes)
+
+
 def units(used: Iterable[Unit]) -> Table:
     columns = "name symbol quantity base numerator denominator text selected_by options"
     return {unit.name: _row("Unit", unit, columns) for unit in used}

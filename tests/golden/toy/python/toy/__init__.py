@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .enums import ModesOfOperation as ModesOfOperation
     from .flags import ErrorRegister as ErrorRegister
     from .homing import HOMING_METHODS as HOMING_METHODS
+    from .identity import IDENTITY as IDENTITY
     from .leds import LEDS as LEDS
     from .modes import MODES as MODES
     from .nmt import ERROR_BEHAVIOUR as ERROR_BEHAVIOUR
@@ -46,6 +47,7 @@ else:
             "enums": ("ModesOfOperation",),
             "flags": ("ErrorRegister",),
             "homing": ("HOMING_METHODS",),
+            "identity": ("IDENTITY",),
             "leds": ("LEDS",),
             "modes": ("MODES",),
             "nmt": ("ERROR_BEHAVIOUR", "NMT_COMMANDS", "NMT_STATES"),

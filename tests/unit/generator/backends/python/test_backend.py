@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import dataclasses
 import importlib
+import re
 import subprocess
 import sys
 import zlib
@@ -16,10 +17,12 @@ from typing import Any
 
 import pytest
 
+from odsmith.backends.c import CBackend
 from odsmith.backends.eds import EdsBackend
 from odsmith.backends.python import PythonBackend
 from odsmith.backends.python.names import RESERVED, declared_classes, word_bits
 from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection, Source
+from odsmith.compile import compile_file
 from odsmith.explain import source_text
 from odsmith.model import (
     Allowed,
@@ -38,8 +41,9 @@ from odsmith.model import (
 )
 from odsmith.names import class_name
 from odsmith.render import MARK, Output
-from odsmith.vocabulary import Vocabulary
+from odsmith.vocabulary import Role, Vocabulary
 from odsmith_runtime import ObjectDictionary, OutOfRangeError, ReadOnlyError, WrongSignatureError, codec, recipes
+from odsmith_runtime.device.tables import Tables
 
 HOSTILE = (
     'q" q\'\' """ \'\'\' \\ \\" {{ x }} {0} %s */ # \n\t\x00\x1b\u2028\u202e\u00e9 <script> $NODEID __import__("os")'
@@ -174,12 +178,15 @@ def hostile(value: Any, field: str = "") -> Any:
 
 @pytest.fixture(scope="module")
 def packages(
-    tmcm3230: Device, tmcm6212: Device, io_module: Device, tmp_path_factory: pytest.TempPathFactory
+    tmcm3230: Device, tmcm6212: Device, io_module: Device, root: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[dict[str, Package]]:
+    toy = compile_file(root / "tests" / "golden" / "toy.yaml")
+    assert isinstance(toy, Device)
     models = {
         "tmcm3230": tmcm3230,
         "tmcm6212": tmcm6212,
         "io_module": io_module,
+        "toy": toy,
         "tiny": tiny_device(io_module),
         "hostile": hostile(tmcm3230),
     }
@@ -192,7 +199,7 @@ def packages(
             del sys.modules[name]
 
 
-@pytest.fixture(scope="module", params=["tmcm3230", "tmcm6212", "io_module", "tiny", "hostile"])
+@pytest.fixture(scope="module", params=["tmcm3230", "tmcm6212", "io_module", "toy", "tiny", "hostile"])
 def package(request: pytest.FixtureRequest, packages: dict[str, Package]) -> Package:
     return packages[request.param]
 
@@ -357,6 +364,33 @@ def test_every_row_of_the_tables(package: Package) -> None:
     for led, folded in zip(module.LEDS.values(), model.leds, strict=True):
         names = "name title steady phases when priority text"
         assert columns(led.patterns, names) == columns(folded.patterns, names)
+
+
+def test_the_name_plate(package: Package) -> None:
+    plate, model = package.module.IDENTITY, package.model
+    names = "name title vendor_id product_code revision_number"
+    channels = "digital_inputs digital_outputs analog_inputs analog_outputs"
+    assert columns([plate], f"{names} {channels}") == columns([model.identity], f"{names} {channels}")
+    assert (plate.bit_rates, plate.axes) == (tuple(sorted(model.identity.bit_rates)), model.axes)
+
+
+def test_bit_rates_ascend_in_whatever_order_the_spec_has_them(io_module: Device, tmp_path: Path) -> None:
+    identity = dataclasses.replace(io_module.identity, bit_rates=(500, 1000, 20))
+    mixed = Package(dataclasses.replace(io_module, identity=identity), tmp_path, "package_under_test_mixed")
+    assert mixed.module.IDENTITY.bit_rates == (20, 500, 1000)
+
+
+def test_a_node_finds_all_tables_that_it_needs(package: Package) -> None:
+    found, module, model = Tables.of(package.module), package.module, package.model
+    assert found.identity is module.IDENTITY
+    assert found.dictionary is package.dictionary
+    assert list(found.nmt_states) == [state.code for state in model.nmt_states]
+    assert list(found.nmt_commands) == [command.code for command in model.nmt_commands]
+    assert found.error_behaviour == {value: state.code for value, state in model.error_behaviour.items()}
+    assert len(found.emergencies) == len(model.emergencies)
+    assert list(found.leds) == [led.name for led in model.leds]
+    assert list(found.pds_states) == [state.name for state in model.pds_states]
+    assert (found.layout, found.storage_groups) == (model.layout, tuple(model.storage_groups))
 
 
 def test_error_behaviour(package: Package) -> None:
@@ -607,6 +641,7 @@ CALLED = {
     *("load_on_use", "Dictionary", "StateMachine", "EmergencyTable", "_Variable", "_Sub", "_Group", "_Family"),
     *("Emergency", "AbortCodeInfo", "ConditionInfo", "Named", "PdsStateInfo", "PdsCommandInfo", "Transition", "Unit"),
     *("NmtStateInfo", "NmtCommandInfo", "Led", "LedPattern", "ModeInfo", "HomingMethodInfo", "RampParameter", "Recipe"),
+    "Identity",
     *("Write", "Expect", "Wait", "Input", "ABORT_CODES.get", "EMERGENCIES.find", "STATE_MACHINE.decode"),
 }
 """All that a generated package calls."""
@@ -830,3 +865,70 @@ def test_tables_of_the_standards(cia: Any, vocabulary: Vocabulary) -> None:
     assert list(cia.REACTIONS) == list(vocabulary.reactions)
     assert list(cia.LEDS) == [led.name for led in vocabulary.leds]
     assert cia.__spec_digest__ == vocabulary.digest
+
+
+STRUCTS = {"device": "DeviceValues", "axis": "AxisValues", "pdo": "PdoValues"}
+
+
+def test_values_are_those_of_the_structs_in_c(cia: Any, vocabulary: Vocabulary) -> None:
+    """The same names with as many elements; only the mapping of a PDO stands outside the struct."""
+    header = next(item.content.decode() for item in CBackend().render(vocabulary) if item.path.endswith("/values.h"))
+    for scope, name in STRUCTS.items():
+        body = re.search(rf"typedef struct {{([^}}]*)}} ods_{scope}_values_t;", header)
+        assert body
+        fields = re.findall(r"^    \w+ (\w+)(?:\[(\d+)\])?;", body[1], re.MULTILINE)
+        expected = {field: int(length or 0) for field, length in fields} | (
+            {"pdo_mapping": 8} if scope == "pdo" else {}
+        )
+        values = getattr(cia, name)()
+        found = {field: getattr(values, field) for field in values.__slots__}
+        assert {field: 0 if type(zero) is int else len(zero) for field, zero in found.items()} == expected
+
+
+def test_values_are_zeros_of_the_types_of_their_roles(cia: Any, vocabulary: Vocabulary) -> None:
+    held = {scope: getattr(cia.values, name) for scope, name in STRUCTS.items()}
+    roles = {scope: [role for role in vocabulary.roles.values() if role.scope == scope] for scope in held}
+    for scope, holder in held.items():
+        assert holder is getattr(cia, STRUCTS[scope])
+        assert holder.__slots__ == {role.name: role.text for role in roles[scope]}
+        values = holder()
+        for role in roles[scope]:
+            zero = bytes(role.length) if role.type.string else [0] * role.count if role.count > 1 else 0
+            value = getattr(values, role.name)
+            assert (type(value), value) == (type(zero), zero)
+        with pytest.raises(AttributeError):
+            values.nothing = 1
+
+
+def test_values_begin_anew_with_another_init(cia: Any) -> None:
+    values, other = cia.DeviceValues(), cia.DeviceValues()
+    values.node_id, values.os_command = 5, b"command"
+    values.analog_inputs[7] = 9
+    assert other.analog_inputs == [0] * 8
+    values.__init__()
+    assert (values.node_id, values.os_command, values.analog_inputs) == (0, bytes(7), [0] * 8)
+
+
+def test_values_of_any_type(vocabulary: Vocabulary, root: Path, tmp_path: Path) -> None:
+    """Every kind of role alone in its scope, and a scope that has none."""
+    roles = (
+        Role("torque", "axis", DataType.REAL32, HOSTILE),
+        Role("flag", "axis", DataType.BOOLEAN, "A flag."),
+        Role("a10", "axis", DataType.INTEGER8, "Sorts behind a9.", count=2),
+        Role("area", "axis", DataType.UNSIGNED64, "Sorts behind a10."),
+        Role("a9", "axis", DataType.DOMAIN, "Octets.", length=3),
+    )
+    bare = dataclasses.replace(vocabulary, roles={role.name: role for role in roles})
+    folder = write_package(bare, tmp_path)
+    values = load_package(folder, "odsmith_cia", "package_under_test_bare").values
+    axis = values.AxisValues()
+    assert list(axis.__slots__) == ["a9", "a10", "area", "flag", "torque"]
+    assert (axis.torque, axis.flag, axis.a10, axis.a9) == (0, 0, [0, 0], bytes(3))
+    assert values.DeviceValues().__slots__ == values.PdoValues().__slots__ == ()
+    for name in ("package_under_test_bare", "package_under_test_bare.values"):
+        del sys.modules[name]
+    module = str(folder / "odsmith_cia" / "values.py")
+    formatted = ruff(root, "format", "--diff", module)
+    assert (formatted.stdout, formatted.returncode) == ("", 0)
+    sorting = ruff(root, "check", "--select", "RUF023", module)
+    assert sorting.returncode == 0, sorting.stdout
