@@ -3,6 +3,9 @@
 # make fast   the quick tests only
 # make lint   style and types
 # make bench  figures of speed and memory, beside the peers'
+# make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
+# make coverage            lines of the C runtime that the tests execute
+# make fuzz, fuzz-short    events at random until FUZZ_SECONDS are over; for ever, or for one minute
 
 PYTHON ?= python3
 VENV := .venv
@@ -12,7 +15,7 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint bench clean
+.PHONY: all test fast lint bench bench-c sizes coverage fuzz fuzz-short clean
 
 all: $(SET_UP)
 	$(BIN)/odsmith build
@@ -31,6 +34,25 @@ lint: $(SET_UP)
 
 bench: $(SET_UP)
 	$(BIN)/python bench/bench.py
+
+bench-c: $(SET_UP)
+	$(BIN)/python bench/bench_c.py
+
+sizes: $(SET_UP)
+	$(BIN)/python bench/sizes.py
+
+coverage: $(SET_UP)
+	rm -rf build/coverage
+	ODSMITH_COVERAGE=$(CURDIR)/build/coverage $(BIN)/pytest -q -n auto tests/unit/runtime_c tests/cross
+	$(BIN)/python bench/coverage_c.py build/coverage
+
+FUZZ_SECONDS ?= 0
+
+fuzz: $(SET_UP)
+	$(BIN)/python tests/fuzz/fuzz.py --seconds $(FUZZ_SECONDS)
+
+fuzz-short: $(SET_UP)
+	$(BIN)/python tests/fuzz/fuzz.py --seconds 60
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

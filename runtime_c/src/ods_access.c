@@ -1,5 +1,6 @@
 #include "ods_access.h"
 
+#include "ods_axis.h"
 #include "ods_core.h"
 #include "ods_effect.h"
 #include "ods_od.h"
@@ -30,51 +31,67 @@ uint32_t ods_access_length(const ods_node_t *node, const ods_od_entry_t *entry, 
     return 0;
 }
 
+/* Effects that only look at a value later, or belong to an axis: they refuse nothing. */
+static int is_plain(uint32_t effect)
+{
+    return (effect == ODS_EFFECT_VALUE) || (effect >= ODS_EFFECT_CONTROLWORD);
+}
+
 /* Whether the present state forbids the write. */
 static uint32_t check_state(const ods_node_t *node, const ods_target_t *target, const ods_od_rule_t *rule)
 {
-    const uint32_t instance = target->ref.instance;
-    if (ods_is_axis_instance(node, instance)) {
-        const uint32_t axis = instance - node->od->scope_instances[ODS_SCOPE_AXIS];
-        if (node->common->tmcl_mode != 0u) {
-            return ODS_ABORT_DEVICE_STATE;
-        }
-        if ((rule->states != 0u) && (((uint32_t)rule->states >> node->axes[axis].state) & 1u) == 0u) {
-            return ODS_ABORT_DEVICE_STATE;
-        }
-        return 0;
+    if (ods_is_axis_instance(node, target->ref.instance)) {
+        const uint32_t axis = target->ref.instance - node->od->scope_instances[ODS_SCOPE_AXIS];
+        const int is_open = (rule->states == 0u) || (((uint32_t)rule->states >> node->axes[axis].state) & 1u) != 0u;
+        return (is_open && (node->common->tmcl_mode == 0u)) ? 0u : ODS_ABORT_DEVICE_STATE;
     }
-    return ods_effect_state(node, target, rule->effect);
+    return is_plain(rule->effect) ? 0u : ods_effect_state(node, target, rule->effect);
 }
 
-static void written(ods_node_t *node, const ods_target_t *target, const ods_od_rule_t *rule)
+/* Everything that may refuse a number. */
+ODS_RARE static uint32_t check(
+    ods_node_t *node, const ods_target_t *target, const ods_od_rule_t *rule, uint32_t number)
 {
-    if ((target->ref.entry->kind & ODS_TX) != 0u) {
-        ods_value_changed(node, target->ref.instance);
+    uint32_t abort = check_state(node, target, rule);
+    if ((abort == 0u) && (rule->intervals != 0u)) {
+        abort = ods_od_check(node->od, target->ref.entry, rule, number);
     }
-    if (rule->effect != (uint8_t)ODS_EFFECT_VALUE) {
+    return ((abort == 0u) && !is_plain(rule->effect)) ? ods_effect_check(node, target, rule->effect, number) : abort;
+}
+
+/* A write has passed, and the value is in place. */
+static uint32_t written(ods_node_t *node, const ods_target_t *target, const ods_od_rule_t *rule)
+{
+    const uint32_t instance = target->ref.instance;
+    if ((target->ref.entry->kind & ODS_TX) != 0u) {
+        ods_mark_changed(node, ods_entry_bit(target->ref.entry));
+    }
+    if (rule->effect >= (uint8_t)ODS_EFFECT_CONTROLWORD) {
+        const uint32_t axis = instance - node->od->scope_instances[ODS_SCOPE_AXIS];
+        if (axis < node->device->axes) {
+            ods_axis_written(node, axis, rule->effect);
+        }
+    } else if (rule->effect != (uint8_t)ODS_EFFECT_VALUE) {
         ods_effect_apply(node, target, rule->effect);
     }
+    return 0;
 }
 
 uint32_t ods_access_write_number(ods_node_t *node, const ods_target_t *target, uint32_t number)
 {
-    const ods_od_entry_t *const entry = target->ref.entry;
-    const ods_od_rule_t *const rule = &node->od->rules[entry->rule];
-    uint32_t value = number;
-    uint32_t abort = check_state(node, target, rule);
+    const ods_od_rule_t *const rule = &node->od->rules[target->ref.entry->rule];
+    uint32_t abort = 0;
 
-    if ((abort == 0u) && (rule->intervals != 0u)) {
-        abort = ods_od_check(node->od, entry, rule, number);
+    if (!is_plain(rule->effect) || (rule->states != 0u) || (node->common->tmcl_mode != 0u)) {
+        abort = check(node, target, rule, number);
+    } else if (rule->intervals != 0u) {
+        abort = ods_od_check(node->od, target->ref.entry, rule, number);
     }
-    if ((abort == 0u) && !ods_is_axis_instance(node, target->ref.instance)) {
-        abort = ods_effect_check(node, target, rule->effect, &value);
+    if (abort != 0u) {
+        return abort;
     }
-    if (abort == 0u) {
-        ods_od_set_number(node->od, node->values, &target->ref, value);
-        written(node, target, rule);
-    }
-    return abort;
+    ods_od_set_number(node->od, node->values, &target->ref, number);
+    return written(node, target, rule);
 }
 
 uint32_t ods_access_write(ods_node_t *node, const ods_target_t *target, const uint8_t *octets, uint16_t length)
@@ -89,9 +106,9 @@ uint32_t ods_access_write(ods_node_t *node, const ods_target_t *target, const ui
     }
     const ods_od_rule_t *const rule = &node->od->rules[entry->rule];
     const uint32_t abort = check_state(node, target, rule);
-    if (abort == 0u) {
-        ods_od_set_octets(node->od, node->values, &target->ref, octets, length);
-        written(node, target, rule);
+    if (abort != 0u) {
+        return abort;
     }
-    return abort;
+    ods_od_set_octets(node->od, node->values, &target->ref, octets, length);
+    return written(node, target, rule);
 }

@@ -69,8 +69,10 @@ void ods_axis_reset(ods_node_t *node, uint8_t axis)
 
 void ods_axis_written(ods_node_t *node, uint32_t axis, uint8_t effect)
 {
+    /* At rest an axis obeys nothing. */
+    (void)node;
+    (void)axis;
     (void)effect;
-    ods_axis_update(node, (uint8_t)axis);
 }
 
 void ods_axis_react(ods_node_t *node, uint8_t axis, uint8_t reaction)

@@ -3,6 +3,13 @@
 #include "ods_core.h"
 #include "ods_emcy.h"
 
+int ods_can_id_restricted(uint32_t cob_id)
+{
+    const uint32_t id = cob_id & ODS_CAN_ID_MASK;
+    return (id <= 0x07Fu) || ((id >= 0x101u) && (id <= 0x180u)) || ((id >= 0x581u) && (id <= 0x5FFu)) ||
+           ((id >= 0x601u) && (id <= 0x67Fu)) || (id >= 0x6E0u);
+}
+
 static void set_conditions(ods_node_t *node)
 {
     ods_emcy_set(node, ODS_CONDITION_CAN_WARNING, node->can >= (uint8_t)ODS_CAN_WARNING);

@@ -4,7 +4,16 @@
 #ifndef ODS_CORE_H
 #define ODS_CORE_H
 
+#include <string.h>
+
 #include "ods/node.h"
+
+/* A function that is seldom needed, kept out of those that often run: there its registers and its stack would cost. */
+#if defined(__GNUC__)
+#define ODS_RARE __attribute__((noinline))
+#else
+#define ODS_RARE
+#endif
 
 #define ODS_TICK_US 1000u
 #define ODS_US_PER_MS 1000u
@@ -24,11 +33,41 @@
 #define ODS_COB_ID_GENERATE 0x40000000u /* of SYNC */
 #define ODS_COB_ID_RESERVED 0x3FFFF800u /* 29 bit CAN-IDs, which no node here has */
 
-/* ---- octets on the bus: little-endian ------------------------------------------------------------------------ */
+/* ---- octets on the bus: little-endian ---------------------------------------------------------------------------- */
 
-static inline uint16_t ods_get_16(const uint8_t *octets)
+#if defined(__BYTE_ORDER__) && (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
+
+/* So are those in memory. A copy of constant length is one instruction wherever a pointer may be odd. */
+static inline uint32_t ods_get_16(const uint8_t *octets)
 {
-    return (uint16_t)(octets[0] | (uint32_t)octets[1] << 8);
+    uint16_t value;
+    memcpy(&value, octets, sizeof value);
+    return value;
+}
+
+static inline uint32_t ods_get_32(const uint8_t *octets)
+{
+    uint32_t value;
+    memcpy(&value, octets, sizeof value);
+    return value;
+}
+
+static inline void ods_put_16(uint8_t *octets, uint32_t value)
+{
+    const uint16_t low = (uint16_t)value;
+    memcpy(octets, &low, sizeof low);
+}
+
+static inline void ods_put_32(uint8_t *octets, uint32_t value)
+{
+    memcpy(octets, &value, sizeof value);
+}
+
+#else
+
+static inline uint32_t ods_get_16(const uint8_t *octets)
+{
+    return octets[0] | (uint32_t)octets[1] << 8;
 }
 
 static inline uint32_t ods_get_32(const uint8_t *octets)
@@ -36,15 +75,21 @@ static inline uint32_t ods_get_32(const uint8_t *octets)
     return octets[0] | (uint32_t)octets[1] << 8 | (uint32_t)octets[2] << 16 | (uint32_t)octets[3] << 24;
 }
 
-static inline void ods_put_32(uint8_t *octets, uint32_t value)
+static inline void ods_put_16(uint8_t *octets, uint32_t value)
 {
     octets[0] = (uint8_t)value;
     octets[1] = (uint8_t)(value >> 8);
-    octets[2] = (uint8_t)(value >> 16);
-    octets[3] = (uint8_t)(value >> 24);
 }
 
-/* ---- time ------------------------------------------------------------------------------------------------------ */
+static inline void ods_put_32(uint8_t *octets, uint32_t value)
+{
+    ods_put_16(octets, value);
+    ods_put_16(octets + 2, value >> 16);
+}
+
+#endif
+
+/* ---- time -------------------------------------------------------------------------------------------------------- */
 
 /* Whether instant `a` lies before `b`. They are less than 2^31 us apart. */
 static inline int ods_before(uint32_t a, uint32_t b)
@@ -98,7 +143,7 @@ static inline void ods_tick_arm(ods_node_t *node)
     ods_timer_start(node, ODS_TIMER_TICK, ods_next_tick(node));
 }
 
-/* ---- frames and values --------------------------------------------------------------------------------------- */
+/* ---- frames and values ------------------------------------------------------------------------------------------- */
 
 /* Send a frame. In bus-off it is lost. */
 static inline void ods_send(const ods_node_t *node, const ods_frame_t *frame)
@@ -106,13 +151,6 @@ static inline void ods_send(const ods_node_t *node, const ods_frame_t *frame)
     if (node->can != (uint8_t)ODS_CAN_BUS_OFF) {
         node->port->send(node->port->context, frame);
     }
-}
-
-/* CAN-IDs that no COB-ID may have (CiA 301, 7.3.5). */
-static inline int ods_can_id_restricted(uint32_t id)
-{
-    return (id <= 0x07Fu) || ((id >= 0x101u) && (id <= 0x180u)) || ((id >= 0x581u) && (id <= 0x5FFu)) ||
-           ((id >= 0x601u) && (id <= 0x67Fu)) || (id >= 0x6E0u);
 }
 
 #define ODS_DEVICE_INSTANCE 0u
@@ -128,22 +166,37 @@ static inline int ods_is_axis_instance(const ods_node_t *node, uint32_t instance
            (instance < node->od->scope_instances[ODS_SCOPE_RPDO]);
 }
 
-/* How ods_node_t.changed and ods_tpdo_t.watched name an instance. */
+/*
+ * How ods_node_t.changed and ods_tpdo_t.watched name values: the lower half has a bit for an instance whose values the
+ * node itself changed, the upper half one for an entry that was written. What shares a bit only costs a look in vain.
+ */
 static inline uint32_t ods_instance_bit(uint32_t instance)
 {
-    return 1u << ((instance < 31u) ? instance : 31u);
+    return 1u << (instance & 15u);
 }
 
-/* A value that a TPDO may carry has changed. */
+static inline uint32_t ods_entry_bit(const ods_od_entry_t *entry)
+{
+    return 0x10000u << ((entry->at >> 2) & 15u);
+}
+
+static inline void ods_mark_changed(ods_node_t *node, uint32_t bit)
+{
+    if ((node->pdo.watched & bit) != 0u) {
+        node->changed |= bit;
+        node->work |= ODS_WORK_TPDO;
+    }
+}
+
+/* The node itself changed a value that a TPDO may carry. */
 static inline void ods_value_changed(ods_node_t *node, uint32_t instance)
 {
-    node->changed |= ods_instance_bit(instance);
-    node->work |= ODS_WORK_TPDO;
+    ods_mark_changed(node, ods_instance_bit(instance));
 }
 
 static inline ods_axis_values_t *ods_axis_values(const ods_node_t *node, uint32_t axis)
 {
-    return (ods_axis_values_t *)ods_od_instance(node->od, node->values, (uint16_t)ods_axis_instance(node, axis));
+    return (ods_axis_values_t *)ods_od_instance(node->od, node->values, ods_axis_instance(node, axis));
 }
 
 #endif

@@ -14,7 +14,6 @@ uint32_t ods_effect_state(const ods_node_t *node, const ods_target_t *target, ui
 {
     switch (effect) {
     case ODS_EFFECT_PDO_MAPPED_COUNT:
-        return ods_pdo_count_state(node, target);
     case ODS_EFFECT_PDO_MAPPING:
         return ods_pdo_mapping_state(node, target);
     case ODS_EFFECT_OS_COMMAND:
@@ -24,29 +23,25 @@ uint32_t ods_effect_state(const ods_node_t *node, const ods_target_t *target, ui
     }
 }
 
-uint32_t ods_effect_check(ods_node_t *node, const ods_target_t *target, uint8_t effect, uint32_t *value)
+uint32_t ods_effect_check(ods_node_t *node, const ods_target_t *target, uint8_t effect, uint32_t value)
 {
     switch (effect) {
     case ODS_EFFECT_COB_ID_SYNC:
-        return ods_sync_check_cob_id(*value);
+        return ods_sync_check_cob_id(value);
     case ODS_EFFECT_COB_ID_EMCY:
-        return ods_emcy_check_cob_id(*value);
+        return ods_emcy_check_cob_id(value);
     case ODS_EFFECT_CONSUMER_HEARTBEAT:
-        return ods_heartbeat_check_consumer(node, target->sub, *value);
+        return ods_heartbeat_check_consumer(node, target->sub, value);
     case ODS_EFFECT_PDO_COB_ID:
-        return ods_pdo_check_cob_id(node, target, *value);
+        return ods_pdo_check_cob_id(node, target, value);
     case ODS_EFFECT_PDO_MAPPED_COUNT:
-        return ods_pdo_check_count(node, target, *value);
+        return ods_pdo_check_count(node, target, value);
     case ODS_EFFECT_PDO_MAPPING:
-        return ods_pdo_check_mapping(node, target, *value);
+        return ods_pdo_check_mapping(node, target, value);
     case ODS_EFFECT_STORE:
         return ods_store_save(node, target->index, target->sub);
     case ODS_EFFECT_RESTORE:
         return ods_store_restore(node, target->index, target->sub);
-    case ODS_EFFECT_TMCL_MODE:
-    case ODS_EFFECT_MANUFACTURER_MODE:
-        *value = (*value == ODS_SIGNATURE_MAKE) ? 1u : 0u;
-        return 0;
     default:
         return 0;
     }
@@ -54,10 +49,6 @@ uint32_t ods_effect_check(ods_node_t *node, const ods_target_t *target, uint8_t 
 
 void ods_effect_apply(ods_node_t *node, const ods_target_t *target, uint8_t effect)
 {
-    if (ods_is_axis_instance(node, target->ref.instance)) {
-        ods_axis_written(node, target->ref.instance - node->od->scope_instances[ODS_SCOPE_AXIS], effect);
-        return;
-    }
     switch (effect) {
     case ODS_EFFECT_GUARD_TIME:
         ods_heartbeat_guard_written(node);
@@ -76,7 +67,7 @@ void ods_effect_apply(ods_node_t *node, const ods_target_t *target, uint8_t effe
         break;
     case ODS_EFFECT_PDO_MAPPED_COUNT:
     case ODS_EFFECT_PDO_MAPPING:
-        ods_pdo_activate(node, target->ref.instance);
+        ods_pdo_mapping_written(node, target->ref.instance, target->sub);
         break;
     case ODS_EFFECT_PDO_PARAMETER:
         ods_pdo_parameter_written(node, target->ref.instance, target->sub);
@@ -85,7 +76,11 @@ void ods_effect_apply(ods_node_t *node, const ods_target_t *target, uint8_t effe
         ods_os_command_run(node);
         break;
     case ODS_EFFECT_TMCL_MODE:
+        node->common->tmcl_mode = (node->common->tmcl_mode == ODS_SIGNATURE_MAKE);
         ods_axis_update_all(node);
+        break;
+    case ODS_EFFECT_MANUFACTURER_MODE:
+        node->common->manufacturer_mode = (node->common->manufacturer_mode == ODS_SIGNATURE_MAKE);
         break;
     case ODS_EFFECT_DIGITAL_OUTPUTS:
     case ODS_EFFECT_OUTPUT_MASK:

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "ods_axis.h"
+#include "ods_can.h"
 #include "ods_core.h"
 #include "ods_nmt.h"
 
@@ -12,11 +13,11 @@ uint32_t ods_emcy_check_cob_id(uint32_t cob_id)
         return ODS_ABORT_INVALID_VALUE;
     }
     const int usable =
-        ((cob_id & ODS_COB_ID_INVALID) != 0u) || !ods_can_id_restricted(cob_id & ODS_CAN_ID_MASK);
+        ((cob_id & ODS_COB_ID_INVALID) != 0u) || !ods_can_id_restricted(cob_id);
     return usable ? 0u : ODS_ABORT_INVALID_VALUE;
 }
 
-/* ---- queue -------------------------------------------------------------------------------------------------------- */
+/* ---- queue ------------------------------------------------------------------------------------------------------- */
 
 static void push(ods_node_t *node, uint8_t row, uint8_t axis, uint32_t error_register)
 {
@@ -42,7 +43,7 @@ static void push_rows(ods_node_t *node, uint32_t condition, uint8_t axis)
     }
 }
 
-/* ---- error register ----------------------------------------------------------------------------------------------- */
+/* ---- error register ---------------------------------------------------------------------------------------------- */
 
 static uint32_t present(const ods_node_t *node)
 {
@@ -75,7 +76,7 @@ static void update_register(ods_node_t *node)
     }
 }
 
-/* ---- conditions --------------------------------------------------------------------------------------------------- */
+/* ---- conditions -------------------------------------------------------------------------------------------------- */
 
 void ods_emcy_react(ods_node_t *node, ods_condition_t condition, uint8_t axis)
 {
@@ -159,7 +160,7 @@ void ods_emcy_reset(ods_node_t *node)
     update_register(node);
 }
 
-/* ---- frames ------------------------------------------------------------------------------------------------------- */
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 static void send_item(const ods_node_t *node, const ods_emcy_item_t *item)
 {

@@ -5,13 +5,14 @@
 
 #define TOGGLE 0x80u
 #define STATE_MASK 0x7Fu
+#define LIFE_STEP 1000000u /* ticks that a timer may last */
 #define GUARDING 0x80u /* in `lost`: the master is missing */
 
 ODS_STATIC_ASSERT(
     every_consumer_has_a_timer,
     sizeof((ods_device_values_t *)0)->consumer_heartbeat_time / sizeof(uint32_t) == ODS_CONSUMERS);
 
-/* ---- what is missing -------------------------------------------------------------------------------------------- */
+/* ---- what is missing --------------------------------------------------------------------------------------------- */
 
 static void set_lost(ods_node_t *node, uint32_t lost)
 {
@@ -68,27 +69,33 @@ static void consume(ods_node_t *node, uint32_t id, uint32_t state)
     }
 }
 
-void ods_heartbeat_expire(ods_node_t *node)
-{
-    for (uint32_t n = 0; n < ODS_CONSUMERS; n++) {
-        if (ods_timer_due(node, ODS_TIMER_CONSUMER_1 + n)) {
-            ods_timer_stop(node, ODS_TIMER_CONSUMER_1 + n);
-            set_lost(node, node->heartbeat.lost | 1u << n);
-        }
-    }
-}
-
 /* ---- guarding ---------------------------------------------------------------------------------------------------- */
+
+/* Let the timer run for as many of the remaining ticks as it may. */
+static void run_life_timer(ods_node_t *node, uint32_t from)
+{
+    const uint32_t left = node->heartbeat.life_ticks;
+    const uint32_t ticks = (left < LIFE_STEP) ? left : LIFE_STEP;
+    node->heartbeat.life_ticks = left - ticks;
+    ods_timer_start(node, ODS_TIMER_LIFE, from + (ticks * ODS_TICK_US));
+}
 
 /* Life time is over at the first tick that is not before its end. */
 static void start_life_time(ods_node_t *node)
 {
     const uint32_t time = (uint32_t)node->common->guard_time * node->common->life_time_factor;
-    const int on_tick = ods_next_tick(node) - node->now == ODS_TICK_US;
-    node->heartbeat.life_ticks = (time == 0u) ? 0u : (on_tick ? time : time + 1u);
+    const uint32_t tick = ods_next_tick(node);
+    ods_timer_stop(node, ODS_TIMER_LIFE);
     if (time != 0u) {
-        ods_tick_arm(node);
+        node->heartbeat.life_ticks = (tick - node->now == ODS_TICK_US) ? time - 1u : time;
+        run_life_timer(node, tick);
     }
+}
+
+static void stop_life_time(ods_node_t *node)
+{
+    ods_timer_stop(node, ODS_TIMER_LIFE);
+    found(node, GUARDING);
 }
 
 static void answer_guarding(ods_node_t *node)
@@ -106,18 +113,33 @@ static void answer_guarding(ods_node_t *node)
     found(node, GUARDING);
 }
 
-void ods_heartbeat_tick(ods_node_t *node)
+void ods_heartbeat_guard_written(ods_node_t *node)
 {
-    if ((node->heartbeat.life_ticks != 0u) && (--node->heartbeat.life_ticks == 0u)) {
+    stop_life_time(node);
+}
+
+/* ---- time -------------------------------------------------------------------------------------------------------- */
+
+void ods_heartbeat_expire(ods_node_t *node)
+{
+    for (uint32_t n = 0; n < ODS_CONSUMERS; n++) {
+        if (ods_timer_due(node, ODS_TIMER_CONSUMER_1 + n)) {
+            ods_timer_stop(node, ODS_TIMER_CONSUMER_1 + n);
+            set_lost(node, node->heartbeat.lost | 1u << n);
+        }
+    }
+    if (!ods_timer_due(node, ODS_TIMER_LIFE)) {
+        return;
+    }
+    if (node->heartbeat.life_ticks != 0u) {
+        run_life_timer(node, node->now);
+    } else {
+        ods_timer_stop(node, ODS_TIMER_LIFE);
         set_lost(node, node->heartbeat.lost | GUARDING);
     }
 }
 
-void ods_heartbeat_guard_written(ods_node_t *node)
-{
-    node->heartbeat.life_ticks = 0;
-    found(node, GUARDING);
-}
+/* ---- frames ------------------------------------------------------------------------------------------------------ */
 
 void ods_heartbeat_receive(ods_node_t *node, const ods_frame_t *frame)
 {
@@ -148,8 +170,7 @@ void ods_heartbeat_producer_written(ods_node_t *node)
     if (period == 0u) {
         ods_timer_stop(node, ODS_TIMER_HEARTBEAT);
     } else {
-        node->heartbeat.life_ticks = 0; /* heartbeat and guarding exclude each other */
-        found(node, GUARDING);
+        stop_life_time(node); /* heartbeat and guarding exclude each other */
         ods_timer_start(node, ODS_TIMER_HEARTBEAT, node->now + (period * ODS_US_PER_MS));
     }
 }
@@ -169,7 +190,7 @@ void ods_heartbeat_reset(ods_node_t *node)
     for (uint32_t n = 0; n < ODS_CONSUMERS; n++) {
         ods_timer_stop(node, ODS_TIMER_CONSUMER_1 + n);
     }
-    node->heartbeat.life_ticks = 0;
+    ods_timer_stop(node, ODS_TIMER_LIFE);
     node->heartbeat.toggle = 0;
     set_lost(node, 0);
     ods_heartbeat_producer_written(node);

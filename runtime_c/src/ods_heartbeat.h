@@ -27,9 +27,6 @@ void ods_heartbeat_receive(ods_node_t *node, const ods_frame_t *frame);
 /* What is missing now. */
 void ods_heartbeat_expire(ods_node_t *node);
 
-/* A tick of life guarding. */
-void ods_heartbeat_tick(ods_node_t *node);
-
 /* Send a heartbeat. */
 void ods_heartbeat_transmit(const ods_node_t *node);
 

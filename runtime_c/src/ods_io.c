@@ -4,6 +4,7 @@
 #include "ods_emcy.h"
 
 #define FIRST_BIT 16u /* INn and OUTn are bit 16 + n of their objects */
+#define ANALOG_MAX 0xFFFFu
 #define BLOCKS (sizeof((ods_device_values_t *)0)->input_blocks)
 
 ODS_STATIC_ASSERT(
@@ -34,7 +35,7 @@ void ods_io_set(ods_node_t *node, ods_input_t input, uint8_t channel, uint32_t v
         io->digital_inputs = value & lines(node->device->digital_inputs);
     } else if ((input == ODS_INPUT_ANALOG) && (channel < node->device->analog_inputs) &&
                (channel < ODS_ANALOG_CHANNELS)) {
-        io->analog_inputs[channel] = value;
+        io->analog_inputs[channel] = (value < ANALOG_MAX) ? value : ANALOG_MAX;
     }
 }
 

@@ -19,7 +19,7 @@
 /* Nothing is put off further than this, so that two instants can always be compared. */
 #define HORIZON_US 0x40000000u
 
-/* ---- the order of things ------------------------------------------------------------------------------------------ */
+/* ---- the order of things ----------------------------------------------------------------------------------------- */
 
 static int is_tick_armed(const ods_node_t *node)
 {
@@ -28,7 +28,7 @@ static int is_tick_armed(const ods_node_t *node)
             return 1;
         }
     }
-    return node->heartbeat.life_ticks != 0u;
+    return 0;
 }
 
 static void tick(ods_node_t *node)
@@ -50,7 +50,6 @@ static void work_off(ods_node_t *node)
     ods_sdo_time_out(node);
     ods_heartbeat_expire(node);
     if (ods_timer_due(node, ODS_TIMER_TICK)) {
-        ods_heartbeat_tick(node);
         tick(node);
     }
     (void)ods_next_tick(node);
@@ -69,7 +68,7 @@ static void work_off(ods_node_t *node)
 }
 
 /* The end of a turn: what has piled up leaves, each kind at its place. */
-static void finish(ods_node_t *node)
+ODS_RARE static void finish(ods_node_t *node)
 {
     if ((node->work & ODS_WORK_EMCY) != 0u) {
         ods_emcy_transmit(node);
@@ -90,7 +89,7 @@ static void finish(ods_node_t *node)
     node->work = 0;
 }
 
-/* ---- time ----------------------------------------------------------------------------------------------------------- */
+/* ---- time -------------------------------------------------------------------------------------------------------- */
 
 /* The next instant at which something is due, or the horizon. */
 static uint32_t earliest(const ods_node_t *node, uint32_t horizon)
@@ -137,7 +136,7 @@ int ods_node_next(const ods_node_t *node, uint32_t *at)
     return 1;
 }
 
-/* ---- events --------------------------------------------------------------------------------------------------------- */
+/* ---- events ------------------------------------------------------------------------------------------------------ */
 
 static void end_turn(ods_node_t *node)
 {
@@ -157,23 +156,27 @@ static void dispatch(ods_node_t *node, const ods_frame_t *frame)
         ods_nmt_receive(node, frame);
     } else if (id >= ODS_CAN_ID_ERROR_CONTROL) {
         ods_heartbeat_receive(node, frame);
-    } else if (frame->remote == 0u) {
+    } else if (((node->services & ODS_SERVICE_PDO) != 0u) && (frame->remote == 0u)) {
         if (ods_sync_is(node, id)) {
             ods_pdo_sync(node);
         }
-        if ((node->services & ODS_SERVICE_PDO) != 0u) {
-            ods_pdo_receive(node, frame);
-        }
+        ods_pdo_receive(node, frame);
     } /* no PDO answers a remote frame */
 }
 
 void ods_node_receive(ods_node_t *node, uint32_t now, const ods_frame_t *frame)
 {
-    catch_up(node, now);
+    if (ods_before(now, node->wake)) {
+        node->now = now;
+    } else {
+        catch_up(node, now);
+    }
     if (node->can != (uint8_t)ODS_CAN_BUS_OFF) {
         dispatch(node, frame);
     }
-    end_turn(node);
+    if (node->work != 0u) {
+        finish(node);
+    }
 }
 
 /* Before power-on what comes in is only noted. */
@@ -238,7 +241,7 @@ uint32_t ods_node_read(
     return 0;
 }
 
-/* ---- life ------------------------------------------------------------------------------------------------------------ */
+/* ---- life -------------------------------------------------------------------------------------------------------- */
 
 void ods_node_init(
     ods_node_t *node,

@@ -2,6 +2,20 @@
 
 #include <string.h>
 
+uint32_t ods_od_find(const ods_od_t *od, uint16_t index, uint8_t sub, ods_od_ref_t *ref)
+{
+    ods_od_ref_t found;
+    const uint32_t abort = ods_od_locate(od, index, sub, &found);
+    if (abort != 0u) {
+        return abort;
+    }
+    if (found.entry->kind == 0u) {
+        return ODS_ABORT_NO_SUB_INDEX;
+    }
+    *ref = found;
+    return 0;
+}
+
 uint16_t ods_od_room(const ods_od_t *od, const ods_od_entry_t *entry)
 {
     return ods_od_is_number(entry->kind) ? (uint16_t)ods_od_number_size(entry->kind) : od->texts[entry->at].length;
@@ -131,7 +145,7 @@ static void pdo_defaults(
     for (uint32_t n = 0; n < count; n++) {
         const uint32_t axis = n / each;
         const uint32_t number = n % each;
-        void *const instance = ods_od_instance(od, values, (uint16_t)(first + n));
+        void *const instance = ods_od_instance(od, values, first + n);
         ods_pdo_values_t *const pdo = (ods_pdo_values_t *)instance;
         memcpy(instance, (const uint8_t *)od->defaults[scope] + (number * size), size);
         if (axis > 0u) {
@@ -187,7 +201,11 @@ void ods_od_defaults(const ods_od_t *od, uint8_t *values, uint8_t node_id, int c
     }
     pdo_defaults(od, values, ODS_SCOPE_RPDO, od->axis_rpdos, od->other_cob_ids);
     pdo_defaults(
-        od, values, ODS_SCOPE_TPDO, od->axis_tpdos, (od->other_cob_ids == NULL) ? NULL : od->other_cob_ids + od->axis_rpdos);
+        od,
+        values,
+        ODS_SCOPE_TPDO,
+        od->axis_tpdos,
+        (od->other_cob_ids == NULL) ? NULL : od->other_cob_ids + od->axis_rpdos);
     for (uint32_t n = 0; n < od->node_id_count; n++) {
         const ods_od_node_id_t *const row = &od->node_ids[n];
         uint8_t *const value = values + row->at;

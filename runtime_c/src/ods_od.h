@@ -7,6 +7,51 @@
 
 #include "ods/od.h"
 
+/* ods_od_locate() in a page of PDO parameters: all PDOs of a direction have the same object, so there is no map. */
+static inline uint32_t ods_od_locate_pdo(
+    const ods_od_t *od, const ods_od_fold_t *fold, uint32_t low, uint32_t sub, ods_od_ref_t *ref)
+{
+    const uint32_t group = low >> fold->shift;
+    const uint32_t pdo = low - (group << fold->shift);
+    if ((group >= fold->groups) || (pdo >= fold->each)) {
+        return ODS_ABORT_NO_OBJECT;
+    }
+    if (sub >= fold->subs) {
+        return ODS_ABORT_NO_SUB_INDEX;
+    }
+    ref->entry = &od->entries[fold->entry + sub];
+    ref->instance = fold->first + (group * fold->each) + pdo;
+    return 0;
+}
+
+/*
+ * The same as ods_od_find(), but a hole is found as well: its `kind` is 0, so it can neither be read nor written. For
+ * who looks at `kind` anyway. `index` and `sub` are those of a frame, 16 and 8 bits.
+ */
+static inline uint32_t ods_od_locate(const ods_od_t *od, uint32_t index, uint32_t sub, ods_od_ref_t *ref)
+{
+    const uint32_t page = index >> 9;
+    uint32_t instance = od->owners[page];
+
+    if (instance >= ODS_OD_FOLDED) {
+        const ods_od_fold_t *const fold = &od->folds[instance & (ODS_OD_FOLDED - 1u)];
+        if (fold->each != 0u) {
+            return ods_od_locate_pdo(od, fold, index & 0x1FFu, sub, ref);
+        }
+        instance = fold->first + ((index & 0x1FFu) >> fold->shift);
+    }
+    const uint8_t *const map = &od->maps[(uint32_t)od->map_of[page] << 2];
+    const ods_od_chunk_t *const chunk = &od->chunks[map[(index >> 4) & 31u]];
+    const uint8_t *const first = &chunk->first[index & 15u];
+    const uint32_t number = first[0] + sub;
+    if (number >= first[1]) {
+        return (first[0] == first[1]) ? ODS_ABORT_NO_OBJECT : ODS_ABORT_NO_SUB_INDEX;
+    }
+    ref->entry = &od->entries[chunk->entry + number];
+    ref->instance = instance;
+    return 0;
+}
+
 /* Whether the type is a number; else it is a string or a domain. */
 static inline int ods_od_is_number(uint32_t kind)
 {
@@ -23,6 +68,12 @@ static inline uint32_t ods_od_number_size(uint32_t kind)
 static inline int ods_od_is_long(uint32_t kind)
 {
     return (kind & 3u) == 3u;
+}
+
+/* Whether it is a number of up to 4 octets. */
+static inline int ods_od_is_short(uint32_t kind)
+{
+    return ods_od_is_number(kind) && !ods_od_is_long(kind);
 }
 
 static inline void *ods_od_value(const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref)
@@ -77,7 +128,7 @@ const uint8_t *ods_od_octets(
 void ods_od_set_octets(
     const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, const uint8_t *octets, uint16_t length);
 
-/* Whether a rule allows a number of up to 4 octets: 0 or the abort code that says why not. */
+/* Whether a rule with intervals allows a number of up to 4 octets: 0 or the abort code that says why not. */
 uint32_t ods_od_check(const ods_od_t *od, const ods_od_entry_t *entry, const ods_od_rule_t *rule, uint32_t number);
 
 /* All values, or those of 1000h to 1FFFh alone, as the specification has them at power-on under a node-ID. */

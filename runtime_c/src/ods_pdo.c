@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "ods_can.h"
 #include "ods_core.h"
 #include "ods_emcy.h"
 #include "ods_od.h"
@@ -12,35 +13,21 @@
 /* Sub-indices of a communication parameter record. */
 enum {
     SUB_TRANSMISSION_TYPE = 2,
-    SUB_INHIBIT_TIME = 3,
-    SUB_EVENT_TIMER = 5
+    SUB_INHIBIT_TIME = 3
 };
 
-/* ods_tpdo_t.flags */
-#define DUE 0x01u /* has to be sent, changed or not */
-#define PENDING 0x02u /* waits for the end of its inhibit time */
-#define SENT 0x04u /* `sent_at` is that of a transmission not long ago */
-#define TIMED 0x08u /* its event timer runs */
+/* ods_pdo_common_t.flags */
+#define DUE 0x01u /* TPDO: has to be sent, changed or not */
+#define PENDING 0x02u /* TPDO: waits for the end of its inhibit time */
+#define SENT 0x04u /* TPDO: `sent_at` is that of a transmission not long ago */
+#define TIMED 0x08u /* TPDO: its event timer runs */
+#define HELD 0x10u /* RPDO: a frame waits for its SYNC */
+#define BITWISE 0x80u /* `refs` are not used: not all entries are simple, see is_simple() */
 
 /* A transmission that is longer ago no longer inhibits, and its instant would soon be ambiguous. */
 #define LONG_AGO_US 0x10000000u
 
 /* ---- from a PDO to its parts ------------------------------------------------------------------------------------- */
-
-static ods_pdo_values_t *values_of(const ods_node_t *node, uint32_t instance)
-{
-    return (ods_pdo_values_t *)ods_od_instance(node->od, node->values, (uint16_t)instance);
-}
-
-static ods_pdo_values_t *rpdo_values(const ods_node_t *node, uint32_t number)
-{
-    return values_of(node, node->od->scope_instances[ODS_SCOPE_RPDO] + number);
-}
-
-static ods_pdo_values_t *tpdo_values(const ods_node_t *node, uint32_t number)
-{
-    return values_of(node, node->od->scope_instances[ODS_SCOPE_TPDO] + number);
-}
 
 static uint32_t rpdo_count(const ods_node_t *node)
 {
@@ -57,20 +44,34 @@ static int is_tpdo(const ods_node_t *node, uint32_t instance)
     return instance >= node->od->scope_instances[ODS_SCOPE_TPDO];
 }
 
-/* Resolved entries of a PDO. */
-static ods_pdo_ref_t *refs_of(const ods_node_t *node, uint32_t instance)
+static ods_rpdo_t *rpdo_of(const ods_node_t *node, uint32_t instance)
 {
-    return &node->pdo.mapped[(instance - node->od->scope_instances[ODS_SCOPE_RPDO]) * node->od->max_mapped];
+    return &node->pdo.rpdos[instance - node->od->scope_instances[ODS_SCOPE_RPDO]];
 }
 
-static int is_active(const ods_pdo_values_t *pdo)
+static ods_tpdo_t *tpdo_of(const ods_node_t *node, uint32_t instance)
 {
-    return (pdo->pdo_cob_id & ODS_COB_ID_INVALID) == 0u;
+    return &node->pdo.tpdos[instance - node->od->scope_instances[ODS_SCOPE_TPDO]];
 }
 
-static int is_synchronous(const ods_pdo_values_t *pdo)
+static ods_pdo_common_t *pdo_of(const ods_node_t *node, uint32_t instance)
 {
-    return (pdo->pdo_transmission_type >= 1u) && (pdo->pdo_transmission_type <= SYNCHRONOUS_LAST);
+    return is_tpdo(node, instance) ? &tpdo_of(node, instance)->pdo : &rpdo_of(node, instance)->pdo;
+}
+
+static int is_active(const ods_pdo_common_t *pdo)
+{
+    return (pdo->values->pdo_cob_id & ODS_COB_ID_INVALID) == 0u;
+}
+
+static int is_synchronous(const ods_pdo_common_t *pdo)
+{
+    return (pdo->values->pdo_transmission_type >= 1u) && (pdo->values->pdo_transmission_type <= SYNCHRONOUS_LAST);
+}
+
+static uint32_t can_id_of(const ods_pdo_common_t *pdo)
+{
+    return pdo->values->pdo_cob_id & ODS_CAN_ID_MASK;
 }
 
 static int is_operational(const ods_node_t *node)
@@ -84,55 +85,31 @@ static uint32_t bits_of(uint32_t kind)
     return ((kind & ODS_TYPE_MASK) == ODS_BOOL) ? 1u : 8u * ods_od_number_size(kind);
 }
 
-static uint32_t octets_of(uint32_t bits)
-{
-    return (bits + 7u) / 8u;
-}
-
 /* ---- parameters -------------------------------------------------------------------------------------------------- */
-
-static uint32_t check_inactive(const ods_node_t *node, const ods_target_t *target)
-{
-    if (node->common->manufacturer_mode != 0u) {
-        return 0;
-    }
-    return is_active(values_of(node, target->ref.instance)) ? ODS_ABORT_DEVICE_STATE : 0u;
-}
-
-uint32_t ods_pdo_count_state(const ods_node_t *node, const ods_target_t *target)
-{
-    return check_inactive(node, target);
-}
 
 uint32_t ods_pdo_mapping_state(const ods_node_t *node, const ods_target_t *target)
 {
-    if ((node->common->manufacturer_mode == 0u) && (values_of(node, target->ref.instance)->pdo_mapped_count != 0u)) {
-        return ODS_ABORT_DEVICE_STATE;
+    const ods_pdo_common_t *const pdo = pdo_of(node, target->ref.instance);
+    if (node->common->manufacturer_mode != 0u) {
+        return 0;
     }
-    return check_inactive(node, target);
+    const int is_in_force = (target->sub != 0u) && (pdo->values->pdo_mapped_count != 0u);
+    return (is_in_force || is_active(pdo)) ? ODS_ABORT_DEVICE_STATE : 0u;
 }
 
 uint32_t ods_pdo_check_cob_id(const ods_node_t *node, const ods_target_t *target, uint32_t cob_id)
 {
-    const ods_pdo_values_t *const pdo = values_of(node, target->ref.instance);
-    if ((cob_id & ODS_COB_ID_RESERVED) != 0u) {
-        return ODS_ABORT_INVALID_VALUE;
-    }
-    if ((cob_id & ODS_COB_ID_INVALID) != 0u) {
-        return 0;
-    }
-    if (((cob_id & ODS_COB_ID_NO_REMOTE) == 0u) && (node->common->manufacturer_mode == 0u)) {
-        return ODS_ABORT_INVALID_VALUE;
-    }
-    if (ods_can_id_restricted(cob_id & ODS_CAN_ID_MASK)) {
-        return ODS_ABORT_INVALID_VALUE;
-    }
-    const int moves = ((cob_id ^ pdo->pdo_cob_id) & ODS_CAN_ID_MASK) != 0u;
-    return (is_active(pdo) && moves) ? ODS_ABORT_INVALID_VALUE : 0u;
+    const ods_pdo_common_t *const pdo = pdo_of(node, target->ref.instance);
+    const int is_usable =
+        ((cob_id & ODS_COB_ID_INVALID) != 0u) ||
+        ((((cob_id & ODS_COB_ID_NO_REMOTE) != 0u) || (node->common->manufacturer_mode != 0u)) &&
+         !ods_can_id_restricted(cob_id) &&
+         (!is_active(pdo) || (can_id_of(pdo) == (cob_id & ODS_CAN_ID_MASK))));
+    return (is_usable && ((cob_id & ODS_COB_ID_RESERVED) == 0u)) ? 0u : ODS_ABORT_INVALID_VALUE;
 }
 
 /* Find what a mapping entry names, if a PDO of this direction may carry it. */
-static uint32_t resolve(const ods_node_t *node, uint32_t mapping, uint8_t direction, ods_od_ref_t *ref)
+static uint32_t resolve(const ods_node_t *node, uint32_t mapping, uint32_t direction, ods_od_ref_t *ref)
 {
     const uint32_t abort = ods_od_find(node->od, (uint16_t)(mapping >> 16), (uint8_t)(mapping >> 8), ref);
     if (abort != 0u) {
@@ -145,7 +122,7 @@ static uint32_t resolve(const ods_node_t *node, uint32_t mapping, uint8_t direct
     return 0;
 }
 
-static uint8_t direction_of(const ods_node_t *node, uint32_t instance)
+static uint32_t direction_of(const ods_node_t *node, uint32_t instance)
 {
     return is_tpdo(node, instance) ? ODS_TX : ODS_RX;
 }
@@ -157,7 +134,7 @@ static uint8_t direction_of(const ods_node_t *node, uint32_t instance)
 static uint32_t check_entries(
     const ods_node_t *node, uint32_t instance, uint32_t count, uint32_t replaced, uint32_t replacement)
 {
-    const uint32_t *const mapping = ods_pdo_mapping(values_of(node, instance));
+    const uint32_t *const mapping = ods_pdo_mapping(pdo_of(node, instance)->values);
     uint32_t bits = 0;
     for (uint32_t n = 0; n < count; n++) {
         const uint32_t entry = (n == replaced) ? replacement : mapping[n];
@@ -181,7 +158,7 @@ uint32_t ods_pdo_check_count(const ods_node_t *node, const ods_target_t *target,
 
 uint32_t ods_pdo_check_mapping(const ods_node_t *node, const ods_target_t *target, uint32_t mapping)
 {
-    const uint32_t count = values_of(node, target->ref.instance)->pdo_mapped_count;
+    const uint32_t count = pdo_of(node, target->ref.instance)->values->pdo_mapped_count;
     ods_od_ref_t ref;
     if (target->sub <= count) { /* in force, which manufacturer mode allows */
         return check_entries(node, target->ref.instance, count, target->sub - 1u, mapping);
@@ -189,384 +166,444 @@ uint32_t ods_pdo_check_mapping(const ods_node_t *node, const ods_target_t *targe
     return (mapping == 0u) ? 0u : resolve(node, mapping, direction_of(node, target->ref.instance), &ref);
 }
 
-/*
- * Resolve the mapping of an active PDO. Gives the number of its entries and their bits; both are 0 if it has none or
- * is not active. Stored parameters are no exception: what does not resolve is not in force.
- */
-static uint32_t resolve_all(ods_node_t *node, uint32_t instance, uint32_t *bits)
-{
-    ods_pdo_values_t *const pdo = values_of(node, instance);
-    const uint32_t *const mapping = ods_pdo_mapping(pdo);
-    ods_pdo_ref_t *const refs = refs_of(node, instance);
-    const uint32_t count = pdo->pdo_mapped_count;
+/* ---- coming into force ------------------------------------------------------------------------------------------- */
 
-    *bits = 0;
-    if (!is_active(pdo) || (count > node->od->max_mapped) ||
-        (check_entries(node, instance, count, count, 0) != 0u)) {
+/* Whether an entry is a number of up to 4 octets in memory, and begins with an octet of the frame. */
+static int is_simple(uint32_t kind, uint32_t bit)
+{
+    return ods_od_is_short(kind) && ((kind & ODS_CONST) == 0u) && ((kind & ODS_TYPE_MASK) != ODS_BOOL) &&
+           ((bit & 7u) == 0u);
+}
+
+/*
+ * Resolve the mapping of a PDO, if it is active and has one. Stored parameters are no exception: what does not resolve
+ * is not in force. Gives what a TPDO watches.
+ */
+static uint32_t resolve_all(ods_node_t *node, uint32_t instance)
+{
+    ods_pdo_common_t *const pdo = pdo_of(node, instance);
+    const uint32_t *const mapping = ods_pdo_mapping(pdo->values);
+    const uint32_t count = is_active(pdo) ? pdo->values->pdo_mapped_count : 0u;
+    uint32_t watched = 0;
+    uint32_t bits = 0;
+
+    pdo->mapped = 0;
+    pdo->flags &= (uint8_t)~BITWISE;
+    if (count > node->od->max_mapped) {
         return 0;
     }
     for (uint32_t n = 0; n < count; n++) {
-        ods_od_ref_t ref = { NULL, 0 };
-        (void)resolve(node, mapping[n], direction_of(node, instance), &ref);
-        refs[n].entry = (uint16_t)(ref.entry - node->od->entries);
-        refs[n].instance = ref.instance;
-        *bits += mapping[n] & 0xFFu;
+        ods_od_ref_t found;
+        ods_pdo_ref_t *const ref = &pdo->refs[n];
+        if (resolve(node, mapping[n], direction_of(node, instance), &found) != 0u) {
+            return 0;
+        }
+        const uint32_t kind = found.entry->kind;
+        if (!is_simple(kind, bits)) {
+            pdo->flags |= BITWISE;
+        }
+        ref->at = is_tpdo(node, instance) ? (uint16_t)(node->od->bases[found.instance] + found.entry->at)
+                                          : (uint16_t)(found.entry - node->od->entries);
+        ref->instance = (uint8_t)found.instance;
+        ref->place = (uint8_t)((kind & 3u) << 4 | bits >> 3);
+        watched |= ods_instance_bit(found.instance) | ods_entry_bit(found.entry);
+        bits += mapping[n] & 0xFFu;
     }
-    return count;
+    if (bits > MAX_BITS) {
+        return 0;
+    }
+    pdo->mapped = (uint8_t)count;
+    pdo->length = (uint8_t)((bits + 7u) / 8u);
+    return watched;
 }
 
-/* Chain the active RPDOs by CAN-ID, each chain ascending. */
 static uint32_t bucket_of(uint32_t can_id)
 {
     return (can_id ^ (can_id >> 4) ^ (can_id >> 8)) % ODS_PDO_BUCKETS;
 }
 
-static void chain_rpdos(ods_node_t *node)
+/* Chain the active PDOs. */
+static void chain(ods_node_t *node)
 {
-    for (uint32_t n = 0; n < ODS_PDO_BUCKETS; n++) {
-        node->pdo.buckets[n] = ODS_PDO_NONE;
-    }
+    ods_pdo_t *const pdos = &node->pdo;
+    memset(pdos->buckets, 0, sizeof pdos->buckets);
+    pdos->synchronous_rpdos = NULL;
+    pdos->synchronous_tpdos = NULL;
+    pdos->event_tpdos = NULL;
+    pdos->watched = 0;
     for (uint32_t n = rpdo_count(node); n-- > 0u;) {
-        if (node->pdo.rpdos[n].mapped != 0u) {
-            uint16_t *const bucket = &node->pdo.buckets[bucket_of(rpdo_values(node, n)->pdo_cob_id & ODS_CAN_ID_MASK)];
-            node->pdo.rpdos[n].next = *bucket;
-            *bucket = (uint16_t)n;
+        ods_rpdo_t *const rpdo = &pdos->rpdos[n];
+        if (rpdo->pdo.mapped != 0u) {
+            ods_rpdo_t **const bucket = &pdos->buckets[bucket_of(can_id_of(&rpdo->pdo))];
+            rpdo->next = *bucket;
+            *bucket = rpdo;
+            if (is_synchronous(&rpdo->pdo)) {
+                rpdo->next_synchronous = pdos->synchronous_rpdos;
+                pdos->synchronous_rpdos = rpdo;
+            }
+        }
+    }
+    for (uint32_t n = tpdo_count(node); n-- > 0u;) {
+        ods_tpdo_t *const tpdo = &pdos->tpdos[n];
+        if (tpdo->pdo.mapped != 0u) {
+            ods_tpdo_t **const first = is_synchronous(&tpdo->pdo) ? &pdos->synchronous_tpdos : &pdos->event_tpdos;
+            tpdo->next = *first;
+            *first = tpdo;
+            pdos->watched |= tpdo->watched;
         }
     }
 }
 
-static void load_rpdo(ods_node_t *node, uint32_t number)
+static void start_rpdo(ods_rpdo_t *rpdo)
 {
-    ods_rpdo_t *const rpdo = &node->pdo.rpdos[number];
-    uint32_t bits;
-    rpdo->mapped = (uint8_t)resolve_all(node, node->od->scope_instances[ODS_SCOPE_RPDO] + number, &bits);
-    rpdo->length = (uint8_t)octets_of(bits);
-    rpdo->is_held = 0;
-    rpdo->syncs = 0;
+    rpdo->pdo.syncs = 0;
+    rpdo->pdo.flags &= (uint8_t)~HELD;
 }
 
-static void start_event_timer(ods_node_t *node, ods_tpdo_t *tpdo, const ods_pdo_values_t *pdo)
+static void start_event_timer(ods_node_t *node, ods_tpdo_t *tpdo)
 {
-    tpdo->flags &= (uint8_t)~TIMED;
-    if ((pdo->pdo_event_timer != 0u) && !is_synchronous(pdo) && is_operational(node)) {
-        tpdo->flags |= TIMED;
-        tpdo->event_at = node->now + (pdo->pdo_event_timer * ODS_US_PER_MS);
+    const uint32_t time = tpdo->pdo.values->pdo_event_timer * ODS_US_PER_MS;
+    tpdo->pdo.flags &= (uint8_t)~TIMED;
+    if ((time != 0u) && !is_synchronous(&tpdo->pdo) && is_operational(node)) {
+        tpdo->pdo.flags |= TIMED;
+        tpdo->event_at = node->now + time;
         ods_wake_by(node, tpdo->event_at);
     }
 }
 
 /* A TPDO begins its work: it is sent once, whatever it carries. */
-static void start_tpdo(ods_node_t *node, uint32_t number)
+static void start_tpdo(ods_node_t *node, ods_tpdo_t *tpdo)
 {
-    ods_tpdo_t *const tpdo = &node->pdo.tpdos[number];
-    tpdo->syncs = 0;
-    tpdo->flags = DUE;
-    start_event_timer(node, tpdo, tpdo_values(node, number));
+    tpdo->pdo.syncs = 0;
+    tpdo->pdo.flags = (uint8_t)((tpdo->pdo.flags & (SENT | BITWISE)) | DUE); /* the inhibit time goes on */
+    start_event_timer(node, tpdo);
     node->work |= ODS_WORK_TPDO;
 }
 
-static void load_tpdo(ods_node_t *node, uint32_t number)
+static void load(ods_node_t *node, uint32_t instance)
 {
-    const uint32_t instance = node->od->scope_instances[ODS_SCOPE_TPDO] + number;
-    const ods_pdo_ref_t *const refs = refs_of(node, instance);
-    ods_tpdo_t *const tpdo = &node->pdo.tpdos[number];
-    uint32_t bits;
-    tpdo->mapped = (uint8_t)resolve_all(node, instance, &bits);
-    tpdo->length = (uint8_t)octets_of(bits);
-    tpdo->watched = 0;
-    for (uint32_t n = 0; n < tpdo->mapped; n++) {
-        tpdo->watched |= ods_instance_bit(refs[n].instance);
+    const uint32_t watched = resolve_all(node, instance);
+    if (!is_tpdo(node, instance)) {
+        start_rpdo(rpdo_of(node, instance));
+    } else if (watched != 0u) {
+        tpdo_of(node, instance)->watched = watched;
+        start_tpdo(node, tpdo_of(node, instance));
     }
-    start_tpdo(node, number);
 }
 
-void ods_pdo_activate(ods_node_t *node, uint32_t instance)
+/* Parameters of a PDO have changed: it starts afresh, or stops. */
+static void activate(ods_node_t *node, uint32_t instance)
 {
-    if (is_tpdo(node, instance)) {
-        load_tpdo(node, instance - node->od->scope_instances[ODS_SCOPE_TPDO]);
-    } else {
-        load_rpdo(node, instance - node->od->scope_instances[ODS_SCOPE_RPDO]);
-        chain_rpdos(node);
+    const ods_pdo_common_t *const pdo = pdo_of(node, instance);
+    if (is_active(pdo) || (pdo->mapped != 0u)) {
+        load(node, instance);
+        chain(node);
     }
 }
 
 void ods_pdo_cob_id_written(ods_node_t *node, uint32_t instance)
 {
-    const uint32_t first = node->od->scope_instances[is_tpdo(node, instance) ? ODS_SCOPE_TPDO : ODS_SCOPE_RPDO];
-    const uint32_t number = instance - first;
-    const uint32_t ran =
-        is_tpdo(node, instance) ? node->pdo.tpdos[number].mapped : node->pdo.rpdos[number].mapped;
-    if ((ran == 0u) || !is_active(values_of(node, instance))) {
-        ods_pdo_activate(node, instance);
+    const ods_pdo_common_t *const pdo = pdo_of(node, instance);
+    if ((pdo->mapped == 0u) || !is_active(pdo)) {
+        activate(node, instance);
     } /* else nothing but bit 30 can have changed: it goes on */
+}
+
+void ods_pdo_mapping_written(ods_node_t *node, uint32_t instance, uint32_t sub)
+{
+    if (sub <= pdo_of(node, instance)->values->pdo_mapped_count) {
+        activate(node, instance);
+    } /* else it stands behind the entries in force */
 }
 
 void ods_pdo_parameter_written(ods_node_t *node, uint32_t instance, uint32_t sub)
 {
-    if (!is_tpdo(node, instance)) {
-        node->pdo.rpdos[instance - node->od->scope_instances[ODS_SCOPE_RPDO]].syncs = 0;
-        return;
+    ods_pdo_common_t *const pdo = pdo_of(node, instance);
+    if (pdo->mapped == 0u) {
+        return; /* it will start afresh */
     }
-    const uint32_t number = instance - node->od->scope_instances[ODS_SCOPE_TPDO];
-    ods_tpdo_t *const tpdo = &node->pdo.tpdos[number];
+    if (is_tpdo(node, instance)) {
+        if (sub != (uint32_t)SUB_INHIBIT_TIME) {
+            start_event_timer(node, tpdo_of(node, instance));
+        }
+        pdo->flags |= PENDING; /* have another look */
+        node->work |= ODS_WORK_TPDO;
+    } else {
+        start_rpdo(rpdo_of(node, instance));
+    }
     if (sub == (uint32_t)SUB_TRANSMISSION_TYPE) {
-        tpdo->syncs = 0;
+        pdo->syncs = 0;
+        chain(node);
     }
-    if (sub != (uint32_t)SUB_INHIBIT_TIME) {
-        start_event_timer(node, tpdo, tpdo_values(node, number));
-    }
-    tpdo->flags |= PENDING; /* have another look */
-    node->work |= ODS_WORK_TPDO;
 }
 
 void ods_pdo_reset(ods_node_t *node)
 {
-    for (uint32_t n = 0; n < rpdo_count(node); n++) {
-        load_rpdo(node, n);
+    const uint32_t first = node->od->scope_instances[ODS_SCOPE_RPDO];
+    for (uint32_t n = 0; n < rpdo_count(node) + tpdo_count(node); n++) {
+        ods_pdo_common_t *const pdo = pdo_of(node, first + n);
+        pdo->values = (ods_pdo_values_t *)ods_od_instance(node->od, node->values, first + n);
+        pdo->refs = &node->pdo.mapped[n * node->od->max_mapped];
+        pdo->flags = 0;
+        load(node, first + n);
     }
-    for (uint32_t n = 0; n < tpdo_count(node); n++) {
-        load_tpdo(node, n);
-    }
-    chain_rpdos(node);
+    chain(node);
 }
 
 void ods_pdo_start(ods_node_t *node)
 {
     for (uint32_t n = 0; n < rpdo_count(node); n++) {
-        node->pdo.rpdos[n].is_held = 0;
-        node->pdo.rpdos[n].syncs = 0;
+        start_rpdo(&node->pdo.rpdos[n]);
     }
     for (uint32_t n = 0; n < tpdo_count(node); n++) {
-        start_tpdo(node, n);
+        start_tpdo(node, &node->pdo.tpdos[n]);
+    }
+}
+
+/* ---- bit by bit -------------------------------------------------------------------------------------------------- */
+
+/* Bits from one place to another that is 0; both count from the lowest bit of an octet. */
+static void copy_bits(uint8_t *to, uint32_t to_bit, const uint8_t *from, uint32_t from_bit, uint32_t count)
+{
+    for (uint32_t n = 0; n < count; n++) {
+        const uint32_t bit = ((uint32_t)from[(from_bit + n) >> 3] >> ((from_bit + n) & 7u)) & 1u;
+        to[(to_bit + n) >> 3] |= (uint8_t)(bit << ((to_bit + n) & 7u));
+    }
+}
+
+ODS_RARE static uint32_t write_bits(ods_node_t *node, const ods_pdo_common_t *pdo, const uint8_t *data)
+{
+    const uint32_t *const mapping = ods_pdo_mapping(pdo->values);
+    uint32_t abort = 0;
+    uint32_t bit = 0;
+    for (uint32_t n = 0; (n < pdo->mapped) && (abort == 0u); n++) {
+        const uint32_t bits = mapping[n] & 0xFFu;
+        ods_target_t target = { { NULL, 0 }, 0, 0 };
+        uint8_t octets[8] = { 0 };
+        (void)resolve(node, mapping[n], ODS_RX, &target.ref);
+        copy_bits(octets, 0, data, bit, bits);
+        abort = ods_access_write(node, &target, octets, (uint16_t)((bits + 7u) / 8u));
+        bit += bits;
+    }
+    return abort;
+}
+
+ODS_RARE static void sample_bits(const ods_node_t *node, const ods_pdo_common_t *pdo, uint8_t *data)
+{
+    const uint32_t *const mapping = ods_pdo_mapping(pdo->values);
+    uint32_t bit = 0;
+    for (uint32_t n = 0; n < pdo->mapped; n++) {
+        ods_od_ref_t ref = { NULL, 0 };
+        uint8_t number[8];
+        uint16_t length;
+        (void)resolve(node, mapping[n], ODS_TX, &ref);
+        copy_bits(data, bit, ods_od_octets(node->od, node->values, &ref, number, &length), 0, mapping[n] & 0xFFu);
+        bit += mapping[n] & 0xFFu;
     }
 }
 
 /* ---- data in ----------------------------------------------------------------------------------------------------- */
 
-/* The next bits of a frame. */
-static uint32_t take(const uint8_t *data, uint32_t at, uint32_t bits)
+/* Write what a frame carries, entry by entry; the first one that is refused ends it. */
+static uint32_t write_octets(ods_node_t *node, const ods_pdo_common_t *pdo, const uint8_t *data)
 {
-    uint32_t number = 0;
-    for (uint32_t n = 0; n < bits; n += 8u) {
-        const uint32_t octet = (at + n) >> 3;
-        const uint32_t shift = (at + n) & 7u;
-        uint32_t part = (uint32_t)data[octet] >> shift;
-        if ((shift != 0u) && (bits - n > 8u - shift)) {
-            part |= (uint32_t)data[octet + 1u] << (8u - shift);
-        }
-        number |= (part & 0xFFu) << n;
-    }
-    return (bits < 32u) ? (number & ((1u << bits) - 1u)) : number;
+    const ods_pdo_ref_t *ref = pdo->refs;
+    uint32_t left = pdo->mapped;
+    uint32_t abort;
+    ods_target_t target;
+    target.index = 0;
+    target.sub = 0;
+    do {
+        const uint8_t *const from = &data[ref->place & 7u];
+        const uint32_t size = (uint32_t)ref->place >> 4;
+        const uint32_t number = (size == 0u) ? from[0] : ((size == 1u) ? ods_get_16(from) : ods_get_32(from));
+        target.ref.entry = &node->od->entries[ref->at];
+        target.ref.instance = ref->instance;
+        abort = ods_access_write_number(node, &target, number);
+        ref++;
+    } while ((--left != 0u) && (abort == 0u));
+    return abort;
 }
 
-/* Write what a frame carries, entry by entry; the first one that is refused ends it. */
-static void apply(ods_node_t *node, uint32_t number, const uint8_t *data)
+static void apply(ods_node_t *node, const ods_pdo_common_t *pdo, const uint8_t *data)
 {
-    const ods_rpdo_t *const rpdo = &node->pdo.rpdos[number];
-    const ods_pdo_ref_t *const refs = refs_of(node, node->od->scope_instances[ODS_SCOPE_RPDO] + number);
-    uint32_t at = 0;
-    for (uint32_t n = 0; n < rpdo->mapped; n++) {
-        const ods_target_t target = { { &node->od->entries[refs[n].entry], refs[n].instance }, 0, 0 };
-        const uint32_t bits = bits_of(target.ref.entry->kind);
-        uint32_t abort;
-        if (bits > 32u) {
-            uint8_t octets[8];
-            for (uint32_t octet = 0; octet < 8u; octet++) {
-                octets[octet] = (uint8_t)take(data, at + (8u * octet), 8u);
-            }
-            abort = ods_access_write(node, &target, octets, 8);
-        } else {
-            abort = ods_access_write_number(node, &target, take(data, at, bits));
-        }
-        if (abort != 0u) {
-            ods_emcy_raise(node, ODS_CONDITION_PARAMETER_REFUSED, ODS_ALL_AXES);
-            return;
-        }
-        at += bits;
+    const uint32_t abort =
+        ((pdo->flags & BITWISE) == 0u) ? write_octets(node, pdo, data) : write_bits(node, pdo, data);
+    if (abort != 0u) {
+        ods_emcy_raise(node, ODS_CONDITION_PARAMETER_REFUSED, ODS_ALL_AXES);
     }
 }
 
 void ods_pdo_receive(ods_node_t *node, const ods_frame_t *frame)
 {
-    uint32_t number = node->pdo.buckets[bucket_of(frame->id)];
-    while (number != ODS_PDO_NONE) {
-        ods_rpdo_t *const rpdo = &node->pdo.rpdos[number];
-        const ods_pdo_values_t *const pdo = rpdo_values(node, number);
-        if ((pdo->pdo_cob_id & ODS_CAN_ID_MASK) == frame->id) {
-            if (frame->length != rpdo->length) {
-                const int is_short = frame->length < rpdo->length;
-                ods_emcy_raise(node, is_short ? ODS_CONDITION_PDO_TOO_SHORT : ODS_CONDITION_PDO_TOO_LONG, ODS_ALL_AXES);
-            } else if (is_synchronous(pdo)) {
-                memcpy(rpdo->held, frame->data, sizeof rpdo->held);
-                rpdo->is_held = 1;
-            } else {
-                apply(node, number, frame->data);
-            }
+    for (ods_rpdo_t *rpdo = node->pdo.buckets[bucket_of(frame->id)]; rpdo != NULL; rpdo = rpdo->next) {
+        if (can_id_of(&rpdo->pdo) != frame->id) {
+            continue;
         }
-        number = rpdo->next;
+        if (frame->length != rpdo->pdo.length) {
+            const int is_short = frame->length < rpdo->pdo.length;
+            ods_emcy_raise(node, is_short ? ODS_CONDITION_PDO_TOO_SHORT : ODS_CONDITION_PDO_TOO_LONG, ODS_ALL_AXES);
+        } else if (is_synchronous(&rpdo->pdo)) {
+            memcpy(rpdo->held, frame->data, sizeof rpdo->held);
+            rpdo->pdo.flags |= HELD;
+        } else {
+            apply(node, &rpdo->pdo, frame->data);
+        }
     }
 }
 
 /* ---- data out ---------------------------------------------------------------------------------------------------- */
 
-static void put(uint8_t *image, uint32_t at, uint32_t number, uint32_t bits)
-{
-    for (uint32_t n = 0; n < bits; n += 8u) {
-        const uint32_t part = (number >> n) & 0xFFu;
-        const uint32_t octet = (at + n) >> 3;
-        const uint32_t shift = (at + n) & 7u;
-        image[octet] = (uint8_t)(image[octet] | part << shift);
-        if ((shift != 0u) && ((part << shift) > 0xFFu)) {
-            image[octet + 1u] = (uint8_t)(part >> (8u - shift));
-        }
-    }
-}
-
 /* The present values of what a TPDO carries. */
-static void sample(ods_node_t *node, uint32_t number, uint8_t image[8])
+static void sample(const ods_node_t *node, const ods_pdo_common_t *pdo, uint8_t *data)
 {
-    const ods_tpdo_t *const tpdo = &node->pdo.tpdos[number];
-    const ods_pdo_ref_t *const refs = refs_of(node, node->od->scope_instances[ODS_SCOPE_TPDO] + number);
-    uint32_t at = 0;
-    memset(image, 0, 8);
-    for (uint32_t n = 0; n < tpdo->mapped; n++) {
-        const ods_od_ref_t ref = { &node->od->entries[refs[n].entry], refs[n].instance };
-        const uint32_t bits = bits_of(ref.entry->kind);
-        if (bits > 32u) {
-            uint8_t octets[8];
-            uint16_t length;
-            (void)ods_od_octets(node->od, node->values, &ref, octets, &length);
-            for (uint32_t octet = 0; octet < 8u; octet++) {
-                put(image, at + (8u * octet), octets[octet], 8u);
-            }
-        } else {
-            put(image, at, ods_od_number(node->od, node->values, &ref), bits);
-        }
-        at += bits;
+    const uint8_t *const values = node->values;
+    const ods_pdo_ref_t *ref = pdo->refs;
+    uint32_t left = pdo->mapped;
+    memset(data, 0, 8);
+    if ((pdo->flags & BITWISE) != 0u) {
+        sample_bits(node, pdo, data);
+        return;
     }
+    do {
+        uint8_t *const to = &data[ref->place & 7u];
+        const void *const value = values + ref->at;
+        const uint32_t size = (uint32_t)ref->place >> 4;
+        if (size == 0u) {
+            *to = *(const uint8_t *)value;
+        } else if (size == 1u) {
+            ods_put_16(to, *(const uint16_t *)value);
+        } else {
+            ods_put_32(to, *(const uint32_t *)value);
+        }
+        ref++;
+    } while (--left != 0u);
 }
 
-static void send_tpdo(ods_node_t *node, uint32_t number, const uint8_t image[8])
+/* Send a frame that holds what a TPDO carries. */
+static void send_tpdo(ods_node_t *node, ods_tpdo_t *tpdo, ods_frame_t *frame)
 {
-    ods_tpdo_t *const tpdo = &node->pdo.tpdos[number];
-    const ods_pdo_values_t *const pdo = tpdo_values(node, number);
-    ods_frame_t frame;
-    frame.id = (uint16_t)(pdo->pdo_cob_id & ODS_CAN_ID_MASK);
-    frame.length = tpdo->length;
-    frame.remote = 0;
-    memcpy(frame.data, image, sizeof frame.data);
-    memcpy(tpdo->image, image, sizeof tpdo->image);
-    tpdo->flags = SENT;
+    frame->id = (uint16_t)can_id_of(&tpdo->pdo);
+    frame->length = tpdo->pdo.length;
+    frame->remote = 0;
+    memcpy(tpdo->image, frame->data, sizeof tpdo->image);
+    tpdo->pdo.flags = (uint8_t)((tpdo->pdo.flags & BITWISE) | SENT);
     tpdo->sent_at = node->now;
-    start_event_timer(node, tpdo, pdo);
-    ods_send(node, &frame);
+    ods_send(node, frame);
+}
+
+/* Whether a SYNC is the n-th one. */
+static int counts_sync(ods_pdo_common_t *pdo)
+{
+    if (++pdo->syncs < pdo->values->pdo_transmission_type) {
+        return 0;
+    }
+    pdo->syncs = 0;
+    return 1;
 }
 
 void ods_pdo_sync(ods_node_t *node)
 {
-    uint8_t image[8];
-    if (!is_operational(node)) {
-        return;
-    }
-    for (uint32_t n = 0; n < tpdo_count(node); n++) {
-        ods_tpdo_t *const tpdo = &node->pdo.tpdos[n];
-        const ods_pdo_values_t *const pdo = tpdo_values(node, n);
-        if ((tpdo->mapped != 0u) && is_synchronous(pdo) && (++tpdo->syncs >= pdo->pdo_transmission_type)) {
-            tpdo->syncs = 0;
-            sample(node, n, image);
-            send_tpdo(node, n, image);
+    for (ods_tpdo_t *tpdo = node->pdo.synchronous_tpdos; tpdo != NULL; tpdo = tpdo->next) {
+        if (counts_sync(&tpdo->pdo)) {
+            ods_frame_t frame;
+            sample(node, &tpdo->pdo, frame.data);
+            send_tpdo(node, tpdo, &frame);
         }
     }
-    for (uint32_t n = 0; n < rpdo_count(node); n++) {
-        ods_rpdo_t *const rpdo = &node->pdo.rpdos[n];
-        const ods_pdo_values_t *const pdo = rpdo_values(node, n);
-        if ((rpdo->mapped != 0u) && is_synchronous(pdo) && (++rpdo->syncs >= pdo->pdo_transmission_type)) {
-            rpdo->syncs = 0;
-            if (rpdo->is_held != 0u) {
-                rpdo->is_held = 0;
-                apply(node, n, rpdo->held);
-            }
+    for (ods_rpdo_t *rpdo = node->pdo.synchronous_rpdos; rpdo != NULL; rpdo = rpdo->next_synchronous) {
+        if (counts_sync(&rpdo->pdo) && ((rpdo->pdo.flags & HELD) != 0u)) {
+            rpdo->pdo.flags &= (uint8_t)~HELD;
+            apply(node, &rpdo->pdo, rpdo->held);
         }
     }
 }
 
-/* Whether a TPDO has to wait, and until when. */
-static int is_inhibited(const ods_node_t *node, const ods_tpdo_t *tpdo, const ods_pdo_values_t *pdo, uint32_t *until)
+static uint32_t inhibited_until(const ods_tpdo_t *tpdo)
 {
-    *until = tpdo->sent_at + (pdo->pdo_inhibit_time * ODS_US_PER_100US);
-    return ((tpdo->flags & SENT) != 0u) && ods_before(node->now, *until);
+    return tpdo->sent_at + (tpdo->pdo.values->pdo_inhibit_time * ODS_US_PER_100US);
+}
+
+/* Whether a TPDO has to wait. */
+static int is_inhibited(const ods_node_t *node, const ods_tpdo_t *tpdo)
+{
+    return ((tpdo->pdo.flags & SENT) != 0u) && ods_before(node->now, inhibited_until(tpdo));
 }
 
 uint32_t ods_pdo_earliest(const ods_node_t *node, uint32_t at)
 {
     uint32_t earliest = at;
-    uint32_t until;
     if (!is_operational(node)) {
         return at;
     }
-    for (uint32_t n = 0; n < tpdo_count(node); n++) {
-        const ods_tpdo_t *const tpdo = &node->pdo.tpdos[n];
-        if ((tpdo->mapped == 0u) || (tpdo->flags == 0u)) {
-            continue;
-        }
-        if (((tpdo->flags & TIMED) != 0u) && ods_before(tpdo->event_at, earliest)) {
+    for (const ods_tpdo_t *tpdo = node->pdo.event_tpdos; tpdo != NULL; tpdo = tpdo->next) {
+        const uint32_t until = inhibited_until(tpdo);
+        if (((tpdo->pdo.flags & TIMED) != 0u) && ods_before(tpdo->event_at, earliest)) {
             earliest = tpdo->event_at;
         }
-        if (((tpdo->flags & (DUE | PENDING)) != 0u) && !is_synchronous(tpdo_values(node, n)) &&
-            is_inhibited(node, tpdo, tpdo_values(node, n), &until) && ods_before(until, earliest)) {
+        if (((tpdo->pdo.flags & (DUE | PENDING)) != 0u) && is_inhibited(node, tpdo) && ods_before(until, earliest)) {
             earliest = until;
         }
     }
     return earliest;
 }
 
-void ods_pdo_expire(ods_node_t *node)
+/* Forget transmissions that are long ago, of inactive TPDOs too. */
+static void age(ods_node_t *node)
 {
-    if (!is_operational(node)) {
-        return;
-    }
+    node->pdo.aged_at = node->now;
     for (uint32_t n = 0; n < tpdo_count(node); n++) {
         ods_tpdo_t *const tpdo = &node->pdo.tpdos[n];
-        if (((tpdo->flags & TIMED) != 0u) && !ods_before(node->now, tpdo->event_at)) {
-            tpdo->flags = (uint8_t)((tpdo->flags & ~TIMED) | DUE);
+        if (node->now - tpdo->sent_at >= LONG_AGO_US) {
+            tpdo->pdo.flags &= (uint8_t)~SENT;
         }
-        if (((tpdo->flags & SENT) != 0u) && (node->now - tpdo->sent_at >= LONG_AGO_US)) {
-            tpdo->flags &= (uint8_t)~SENT;
+    }
+}
+
+void ods_pdo_expire(ods_node_t *node)
+{
+    if (node->now - node->pdo.aged_at >= LONG_AGO_US) {
+        age(node);
+    }
+    for (ods_tpdo_t *tpdo = node->pdo.event_tpdos; tpdo != NULL; tpdo = tpdo->next) {
+        if (((tpdo->pdo.flags & TIMED) != 0u) && !ods_before(node->now, tpdo->event_at)) {
+            tpdo->pdo.flags = (uint8_t)((tpdo->pdo.flags & ~TIMED) | DUE);
         }
-        if ((tpdo->flags & (DUE | PENDING)) != 0u) {
+        if ((tpdo->pdo.flags & (DUE | PENDING)) != 0u) {
             node->work |= ODS_WORK_TPDO;
         }
     }
 }
 
+/* What a TPDO would carry now is sent if it has changed, or if it is due anyway. */
+static void transmit(ods_node_t *node, ods_tpdo_t *tpdo)
+{
+    ods_frame_t frame;
+    sample(node, &tpdo->pdo, frame.data);
+    if (((tpdo->pdo.flags & DUE) == 0u) && (memcmp(frame.data, tpdo->image, sizeof tpdo->image) == 0)) {
+        if (!is_inhibited(node, tpdo)) {
+            tpdo->pdo.flags &= (uint8_t)~PENDING;
+        }
+    } else if (is_inhibited(node, tpdo)) {
+        tpdo->pdo.flags |= PENDING;
+        ods_wake_by(node, inhibited_until(tpdo));
+    } else {
+        send_tpdo(node, tpdo, &frame);
+        start_event_timer(node, tpdo);
+    }
+}
+
 void ods_pdo_transmit(ods_node_t *node)
 {
-    uint8_t image[8];
-    uint32_t until;
     if (!is_operational(node)) {
         node->changed = 0;
+    }
+    if (!is_operational(node) || (node->can == (uint8_t)ODS_CAN_BUS_OFF)) {
         return;
     }
-    if (node->can == (uint8_t)ODS_CAN_BUS_OFF) {
-        return;
-    }
-    for (uint32_t n = 0; n < tpdo_count(node); n++) {
-        ods_tpdo_t *const tpdo = &node->pdo.tpdos[n];
-        const ods_pdo_values_t *const pdo = tpdo_values(node, n);
-        if ((tpdo->mapped == 0u) || is_synchronous(pdo) ||
-            (((tpdo->flags & (DUE | PENDING)) == 0u) && ((tpdo->watched & node->changed) == 0u))) {
-            continue;
-        }
-        if (is_inhibited(node, tpdo, pdo, &until)) {
-            tpdo->flags |= PENDING;
-            ods_wake_by(node, until);
-            continue;
-        }
-        sample(node, n, image);
-        if (((tpdo->flags & DUE) != 0u) || (memcmp(image, tpdo->image, sizeof image) != 0)) {
-            send_tpdo(node, n, image);
-        } else {
-            tpdo->flags &= (uint8_t)~PENDING;
+    for (ods_tpdo_t *tpdo = node->pdo.event_tpdos; tpdo != NULL; tpdo = tpdo->next) {
+        if (((tpdo->pdo.flags & (DUE | PENDING)) != 0u) || ((tpdo->watched & node->changed) != 0u)) {
+            transmit(node, tpdo);
         }
     }
     node->changed = 0;

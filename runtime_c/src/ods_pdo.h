@@ -9,9 +9,8 @@
 
 #include "ods_access.h"
 
-/* ---- parameters: 0 or an abort code ---------------------------------------------------------------------------- */
+/* ---- parameters: 0 or an abort code ------------------------------------------------------------------------------ */
 
-uint32_t ods_pdo_count_state(const ods_node_t *node, const ods_target_t *target);
 uint32_t ods_pdo_mapping_state(const ods_node_t *node, const ods_target_t *target);
 uint32_t ods_pdo_check_cob_id(const ods_node_t *node, const ods_target_t *target, uint32_t cob_id);
 uint32_t ods_pdo_check_count(const ods_node_t *node, const ods_target_t *target, uint32_t count);
@@ -20,13 +19,13 @@ uint32_t ods_pdo_check_mapping(const ods_node_t *node, const ods_target_t *targe
 /* The COB-ID of a PDO was written: it starts, stops or goes on. */
 void ods_pdo_cob_id_written(ods_node_t *node, uint32_t instance);
 
-/* The mapping of a PDO changed: it starts afresh, if it is active. */
-void ods_pdo_activate(ods_node_t *node, uint32_t instance);
+/* A mapping entry or (sub-index 0) their number was written. What is in force now starts afresh. */
+void ods_pdo_mapping_written(ods_node_t *node, uint32_t instance, uint32_t sub);
 
 /* A parameter was written that is in force at any time: transmission type, inhibit time or event timer. */
 void ods_pdo_parameter_written(ods_node_t *node, uint32_t instance, uint32_t sub);
 
-/* ---- operation ------------------------------------------------------------------------------------------------- */
+/* ---- operation --------------------------------------------------------------------------------------------------- */
 
 /* All parameters are new: after a reset. */
 void ods_pdo_reset(ods_node_t *node);

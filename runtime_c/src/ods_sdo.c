@@ -88,7 +88,7 @@ static void begin(ods_node_t *node, const ods_target_t *target, uint8_t phase, u
     ods_timer_start(node, ODS_TIMER_SDO, node->now + TIME_OUT_US);
 }
 
-/* ---- upload ---------------------------------------------------------------------------------------------------- */
+/* ---- upload ------------------------------------------------------------------------------------------------------ */
 
 /*
  * An upload is a snapshot: what may change is copied before the first segment leaves. Up to 4 octets need none, they
@@ -119,14 +119,9 @@ static void upload_octets(ods_node_t *node, const ods_target_t *target)
 
 static void upload(ods_node_t *node, const ods_target_t *target)
 {
-    const uint32_t kind = target->ref.entry->kind;
     const uint32_t abort = ods_access_readable(node, &target->ref);
     if (abort != 0u) {
         abort_with(node, target, abort);
-    } else if (ods_od_is_number(kind) && !ods_od_is_long(kind)) {
-        const uint32_t unused = 4u - ods_od_number_size(kind);
-        const uint32_t number = ods_od_number(node->od, node->values, &target->ref);
-        answer_initiate(node, SERVER_UPLOAD | EXPEDITED | SIZED | unused << 2, target, number);
     } else {
         upload_octets(node, target);
     }
@@ -152,7 +147,7 @@ static void upload_segment(ods_node_t *node)
     answer(node, &frame);
 }
 
-/* ---- download -------------------------------------------------------------------------------------------------- */
+/* ---- download ---------------------------------------------------------------------------------------------------- */
 
 static void download_expedited(ods_node_t *node, const ods_target_t *target, const ods_frame_t *frame)
 {
@@ -242,7 +237,7 @@ static void download_segment(ods_node_t *node, const ods_frame_t *frame)
     answer(node, &reply);
 }
 
-/* ---- the server ------------------------------------------------------------------------------------------------ */
+/* ---- the server -------------------------------------------------------------------------------------------------- */
 
 static void segment(ods_node_t *node, const ods_frame_t *frame, uint8_t phase)
 {
@@ -257,15 +252,13 @@ static void segment(ods_node_t *node, const ods_frame_t *frame, uint8_t phase)
     }
 }
 
-void ods_sdo_receive(ods_node_t *node, const ods_frame_t *frame)
+/* Any request, in any phase. */
+ODS_RARE static void serve(ods_node_t *node, const ods_frame_t *frame)
 {
     const uint32_t specifier = (uint32_t)frame->data[0] >> 5;
-    if (frame->length != 8u) {
-        return;
-    }
     if ((specifier == CLIENT_UPLOAD) || (specifier == CLIENT_DOWNLOAD)) {
         ods_target_t target;
-        target.index = ods_get_16(&frame->data[1]);
+        target.index = (uint16_t)ods_get_16(&frame->data[1]);
         target.sub = frame->data[3];
         if (node->sdo.phase != (uint8_t)IDLE) {
             ods_sdo_abandon(node);
@@ -285,9 +278,66 @@ void ods_sdo_receive(ods_node_t *node, const ods_frame_t *frame)
     } else if (specifier == CLIENT_ABORT) {
         ods_sdo_abandon(node);
     } else {
-        const ods_target_t target = { { NULL, 0 }, ods_get_16(&frame->data[1]), frame->data[3] };
+        const ods_target_t target = { { NULL, 0 }, (uint16_t)ods_get_16(&frame->data[1]), frame->data[3] };
         abort_with(node, &target, ODS_ABORT_COMMAND);
     }
+}
+
+/*
+ * Nearly every request is an expedited one for a number of up to 4 octets. Its answer is the request with another
+ * command and other data, so the way is short. What is not that simple, serve() answers.
+ */
+static void echo(const ods_node_t *node, const ods_frame_t *request, uint32_t command, uint32_t data)
+{
+    ods_frame_t frame = *request;
+    frame.id = (uint16_t)(ODS_CAN_ID_SDO_ANSWER + node->id);
+    frame.data[0] = (uint8_t)command;
+    ods_put_32(&frame.data[4], data);
+    ods_send(node, &frame);
+}
+
+/* The command of an expedited download of a number, by the logarithm of its size; 8 octets have none. */
+static uint32_t download_command(uint32_t kind)
+{
+    return (0x00232B2Fu >> (8u * (kind & 3u))) & 0xFFu;
+}
+
+#define UPLOAD_COMMAND ((uint32_t)CLIENT_UPLOAD << 5)
+/* From the command of a client's download to that of a server's upload. */
+#define DOWNLOAD_TO_UPLOAD (SERVER_UPLOAD - ((uint32_t)CLIENT_DOWNLOAD << 5))
+
+ODS_RARE static void download_number(
+    ods_node_t *node, const ods_frame_t *frame, const ods_od_entry_t *entry, uint32_t instance)
+{
+    const uint32_t unused = 32u - (8u << (entry->kind & 3u));
+    const ods_target_t target = { { entry, instance }, (uint16_t)ods_get_16(&frame->data[1]), frame->data[3] };
+    const uint32_t number = (ods_get_32(&frame->data[4]) << unused) >> unused;
+    const uint32_t abort = ods_access_write_number(node, &target, number);
+    echo(node, frame, (abort == 0u) ? SERVER_DOWNLOAD : ABORT_TRANSFER, abort);
+}
+
+void ods_sdo_receive(ods_node_t *node, const ods_frame_t *frame)
+{
+    ods_od_ref_t ref;
+    if (frame->length != 8u) {
+        return;
+    }
+    if ((node->sdo.phase == (uint8_t)IDLE) &&
+        (ods_od_locate(node->od, ods_get_16(&frame->data[1]), frame->data[3], &ref) == 0u) &&
+        ods_od_is_short(ref.entry->kind)) {
+        const uint32_t command = frame->data[0];
+        const uint32_t expected = download_command(ref.entry->kind);
+        if (command == UPLOAD_COMMAND) {
+            if (((ref.entry->kind & ODS_READ) != 0u) && (node->common->tmcl_mode == 0u)) {
+                echo(node, frame, expected + DOWNLOAD_TO_UPLOAD, ods_od_number(node->od, node->values, &ref));
+                return;
+            }
+        } else if ((command == expected) && (ref.entry->rule != 0u)) {
+            download_number(node, frame, ref.entry, ref.instance);
+            return;
+        }
+    }
+    serve(node, frame);
 }
 
 void ods_sdo_time_out(ods_node_t *node)

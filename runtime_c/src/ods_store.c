@@ -9,7 +9,7 @@
 #define BANKS 2u
 #define DEVICE_OWNER 0u /* owner 1 + n is axis n */
 
-/* ---- memory, octet by octet, with the checksum of what went by -------------------------------------------------- */
+/* ---- memory, octet by octet, with the checksum of what went by --------------------------------------------------- */
 
 typedef struct {
     const ods_node_t *node;
@@ -127,9 +127,9 @@ uint32_t ods_store_size(const ods_device_t *device)
     return bank_address(device, BANKS);
 }
 
-/* ---- reading ------------------------------------------------------------------------------------------------------ */
+/* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-static int is_valid(const ods_node_t *node, uint32_t bank, uint16_t *sequence)
+static int is_valid(const ods_node_t *node, uint32_t bank, uint16_t *sequence, int *failed)
 {
     const uint32_t size = payload_size(node->device);
     tape_t tape = tape_at(node, bank_address(node->device, bank));
@@ -138,36 +138,38 @@ static int is_valid(const ods_node_t *node, uint32_t bank, uint16_t *sequence)
     const uint32_t length = read_number(&tape, 2);
     const uint32_t crc = tape.crc;
     const uint32_t expected = read_number(&tape, 4);
-    if ((layout != node->od->layout) || (length != size)) {
-        return 0;
-    }
+    const int is_ours = (layout == node->od->layout) && (length == size);
     tape.crc = crc;
-    for (uint32_t n = 0; n < size; n++) {
+    for (uint32_t n = 0; is_ours && (n < size); n++) {
         (void)read_octet(&tape);
     }
-    return !tape.failed && (~tape.crc == expected);
+    *failed |= tape.failed;
+    return is_ours && !tape.failed && (~tape.crc == expected);
 }
 
-/* The bank whose record is in force. */
-static void find_record(ods_node_t *node)
+/* The bank whose record is in force. Returns 0, or the abort code of a memory that cannot be read. */
+static uint32_t find_record(ods_node_t *node)
 {
+    int failed = 0;
     node->store.bank = ODS_NONE;
     node->store.sequence = 0;
     for (uint8_t bank = 0; bank < BANKS; bank++) {
         uint16_t sequence;
-        if (is_valid(node, bank, &sequence) &&
+        if (is_valid(node, bank, &sequence, &failed) &&
             ((node->store.bank == ODS_NONE) || ((int16_t)(uint16_t)(sequence - node->store.sequence) > 0))) {
             node->store.bank = bank;
             node->store.sequence = sequence;
         }
     }
+    return failed ? ODS_ABORT_HARDWARE : 0u;
 }
 
 /* Groups that the record in force holds values of. */
-static uint32_t stored_groups(const ods_node_t *node, uint32_t owner)
+static uint32_t stored_groups(const ods_node_t *node, uint32_t owner, int *failed)
 {
     tape_t tape = tape_at(node, bank_address(node->device, node->store.bank) + HEADER + (2u * owner));
     const uint32_t groups = (node->store.bank == ODS_NONE) ? 0u : read_number(&tape, 2);
+    *failed |= tape.failed;
     return tape.failed ? 0u : groups;
 }
 
@@ -186,7 +188,7 @@ static void load_value(ods_node_t *node, tape_t *tape, const ods_od_ref_t *ref, 
     if (is_plain) {
         const uint32_t number = read_number(tape, size);
         const int in_range = (rule->intervals == 0u) || (ods_od_check(od, ref->entry, rule, number) == 0u);
-        if (wanted && in_range) {
+        if (wanted && in_range && !tape->failed) {
             ods_od_set_number(od, node->values, ref, number);
         }
         return;
@@ -194,7 +196,7 @@ static void load_value(ods_node_t *node, tape_t *tape, const ods_od_ref_t *ref, 
     for (uint32_t n = 0; n < size; n++) {
         node->buffer[n] = read_octet(tape);
     }
-    if (wanted) {
+    if (wanted && !tape->failed) {
         ods_od_set_octets(od, node->values, ref, node->buffer, (uint16_t)size);
     }
 }
@@ -202,16 +204,16 @@ static void load_value(ods_node_t *node, tape_t *tape, const ods_od_ref_t *ref, 
 void ods_store_load(ods_node_t *node, int communication_only)
 {
     const ods_od_t *const od = node->od;
-    find_record(node);
+    (void)find_record(node); /* what cannot be read is not in force */
     if (node->store.bank == ODS_NONE) {
         return;
     }
     tape_t tape = tape_at(node, bank_address(node->device, node->store.bank) + HEADER + (2u * owners(node->device)));
     for (uint32_t instance = 0; instance < od->scope_instances[ODS_SCOPES]; instance++) {
         const uint32_t scope = scope_of(od, instance);
-        const uint32_t stored = stored_groups(node, owner_of(od, instance));
+        const uint32_t stored = stored_groups(node, owner_of(od, instance), &tape.failed);
         for (uint32_t n = od->scope_entries[scope]; n < od->scope_entries[scope + 1u]; n++) {
-            const ods_od_ref_t ref = { &od->entries[n], (uint16_t)instance };
+            const ods_od_ref_t ref = { &od->entries[n], instance };
             const uint32_t group = group_of(od, ref.entry);
             const int wanted = !communication_only || is_communication(od, instance, n);
             if (group != 0u) {
@@ -221,7 +223,7 @@ void ods_store_load(ods_node_t *node, int communication_only)
     }
 }
 
-/* ---- writing ------------------------------------------------------------------------------------------------------ */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* What the new record has to hold: the groups of `row` are taken from the values, or left out. */
 typedef struct {
@@ -236,9 +238,10 @@ static uint32_t concerned(const change_t *change, uint32_t owner)
     return (all || (owner == 1u + (uint32_t)change->row->axis)) ? change->row->groups : 0u;
 }
 
-static uint32_t new_groups(const ods_node_t *node, const change_t *change, uint32_t owner, uint32_t owned)
+static uint32_t new_groups(
+    const ods_node_t *node, const change_t *change, uint32_t owner, uint32_t owned, int *failed)
 {
-    const uint32_t stored = stored_groups(node, owner);
+    const uint32_t stored = stored_groups(node, owner, failed);
     const uint32_t groups = concerned(change, owner) & owned;
     return change->save ? (stored | groups) : (stored & ~groups);
 }
@@ -280,10 +283,10 @@ static void write_values(ods_node_t *node, tape_t *to, const change_t *change)
     for (uint32_t instance = 0; instance < od->scope_instances[ODS_SCOPES]; instance++) {
         const uint32_t scope = scope_of(od, instance);
         const uint32_t owner = owner_of(od, instance);
-        const uint32_t stored = stored_groups(node, owner);
+        const uint32_t stored = stored_groups(node, owner, &from.failed);
         const uint32_t groups = concerned(change, owner);
         for (uint32_t n = od->scope_entries[scope]; n < od->scope_entries[scope + 1u]; n++) {
-            const ods_od_ref_t ref = { &od->entries[n], (uint16_t)instance };
+            const ods_od_ref_t ref = { &od->entries[n], instance };
             const uint32_t group = group_of(od, ref.entry);
             const int is_concerned = (groups & group) != 0u;
             if (group != 0u) {
@@ -312,7 +315,7 @@ static uint32_t write_record(ods_node_t *node, const change_t *change)
         }
     }
     for (uint32_t owner = 0; owner < owners(node->device); owner++) {
-        write_number(&payload, new_groups(node, change, owner, owned_groups(node->od, owner)), 2);
+        write_number(&payload, new_groups(node, change, owner, owned_groups(node->od, owner), &payload.failed), 2);
     }
     write_values(node, &payload, change);
     header.failed = payload.failed;
@@ -333,10 +336,18 @@ static uint32_t change_record(ods_node_t *node, uint16_t index, uint8_t sub, int
 {
     for (uint32_t n = 0; n < node->device->store_count; n++) {
         const ods_store_row_t *const row = &node->device->stores[n];
-        if ((row->index == index) && (row->sub == sub)) {
-            const change_t change = { row, save };
-            return write_record(node, &change);
+        const change_t change = { row, save };
+        if ((row->index != index) || (row->sub != sub)) {
+            continue;
         }
+        if (node->store.bank == ODS_NONE) { /* perhaps it could not be read before */
+            const uint32_t abort = find_record(node);
+            if (abort != 0u) {
+                return abort;
+            }
+        }
+        /* Without a record the defaults are in force already. */
+        return (save || (node->store.bank != ODS_NONE)) ? write_record(node, &change) : 0u;
     }
     return 0;
 }
@@ -348,8 +359,5 @@ uint32_t ods_store_save(ods_node_t *node, uint16_t index, uint8_t sub)
 
 uint32_t ods_store_restore(ods_node_t *node, uint16_t index, uint8_t sub)
 {
-    if (node->store.bank == ODS_NONE) {
-        return 0; /* the defaults are in force already */
-    }
     return change_record(node, index, sub, 0);
 }

@@ -24,6 +24,10 @@ WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wund
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
 
 
+COVERAGE = os.environ.get("ODSMITH_COVERAGE", "")
+"""A folder for programs that count what they execute; `make coverage` names one."""
+
+
 @dataclass(frozen=True)
 class Build:
     """A compiler and the flags that make it another one, such as -m32."""
@@ -81,8 +85,10 @@ def _condition_names(vocabulary: Vocabulary) -> Iterator[str]:
 
 
 def _compile(build: Build, home: Path, *arguments: str) -> None:
-    sanitizers = SANITIZERS if build.links(home, *SANITIZERS) else ()
-    run([*build.command, "-std=c99", "-O1", *WARNINGS, *sanitizers, f"-I{RUNTIME / 'include'}", *arguments], home)
+    watch: tuple[str, ...] = SANITIZERS if build.links(home, *SANITIZERS) else ()
+    if COVERAGE:
+        watch = ("--coverage", "-O0")
+    run([*build.command, "-std=c99", "-O1", *WARNINGS, *watch, f"-I{RUNTIME / 'include'}", *arguments], home)
 
 
 def _once(folder: Path, name: str, key: object, make: Callable[[Path], None]) -> Path:
@@ -113,4 +119,7 @@ def _alone(path: Path) -> Iterator[None]:
 
 def shared_folder(own: Path) -> Path:
     """A folder that all workers of one test run share, given the one of this worker."""
+    if COVERAGE:
+        Path(COVERAGE).mkdir(parents=True, exist_ok=True)
+        return Path(COVERAGE)
     return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own

@@ -128,6 +128,8 @@ class Testee:
 
     def close(self) -> None:
         """End the program; sanitizers may complain only now."""
+        if self._errors.closed:
+            return
         assert self._process.stdin
         assert self._process.stdout
         self._process.stdin.close()

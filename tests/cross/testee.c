@@ -60,7 +60,7 @@ typedef struct {
     unsigned count;
 } line_t;
 
-/* ---- what the device does ------------------------------------------------------------------------------------------ */
+/* ---- what the device does ---------------------------------------------------------------------------------------- */
 
 static void say_octets(const uint8_t *octets, unsigned count)
 {
@@ -175,7 +175,7 @@ static int write_memory(void *context, uint32_t address, uint8_t octet)
     return 0;
 }
 
-/* ---- words --------------------------------------------------------------------------------------------------------- */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 static int is_word(const line_t *line, unsigned at, const char *word)
 {
@@ -250,7 +250,7 @@ static int is_name(const char *word)
     return (word[0] != '\0') && (strspn(word, "abcdefghijklmnopqrstuvwxyz0123456789_.") == strlen(word));
 }
 
-/* ---- lines --------------------------------------------------------------------------------------------------------- */
+/* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 /* The reason not to hand an event to a device without power: it is off, or nothing happens. */
 static nack_t without_power(const bench_t *bench)
@@ -362,8 +362,8 @@ static nack_t do_fault(bench_t *bench, const line_t *line)
     uint64_t axis;
     unsigned condition = 0;
 
-    if ((line->count != 4u) || (strncmp(line->word[1], "axis", 4) != 0) || !read_decimal(line->word[1] + 4, 10, &axis) ||
-        !is_name(line->word[2]) || (!on && !is_word(line, 3, "off"))) {
+    if ((line->count != 4u) || (strncmp(line->word[1], "axis", 4) != 0) ||
+        !read_decimal(line->word[1] + 4, 10, &axis) || !is_name(line->word[2]) || (!on && !is_word(line, 3, "off"))) {
         return MALFORMED;
     }
     while ((condition < ODS_AXIS_CONDITIONS) && (strcmp(CONDITION_NAMES[condition], line->word[2]) != 0)) {
@@ -610,9 +610,9 @@ static void answer(bench_t *bench, char *text)
     fflush(stdout);
 }
 
-/* ---- the program --------------------------------------------------------------------------------------------------- */
+/* ---- the program ------------------------------------------------------------------------------------------------- */
 
-/* Reads a line without its end; one that is too long, or has a NUL in it, becomes an empty one. Returns 0 at the end. */
+/* Reads a line without its end; one that is too long, or has a NUL in it, becomes an empty one. 0: the end. */
 static int read_line(char text[LINE_SIZE + 1u])
 {
     unsigned length = 0;

@@ -34,7 +34,7 @@ typedef struct {
     uint8_t type;
 } ods_axis_field_t;
 
-/* ---- network management -------------------------------------------------------------------------------------- */
+/* ---- network management ------------------------------------------------------------------------------------------ */
 
 typedef struct {
     uint8_t state; /* ods_nmt_state_t, as the heartbeat carries it */
@@ -62,7 +62,7 @@ typedef struct {
     uint8_t phases;
 } ods_led_row_t;
 
-/* ---- emergencies ------------------------------------------------------------------------------------------------ */
+/* ---- emergencies ------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     uint16_t code;
@@ -74,7 +74,7 @@ typedef struct {
     uint8_t momentary; /* 1: shows in 1001h only while its frame is sent */
 } ods_emergency_row_t;
 
-/* ---- storing ---------------------------------------------------------------------------------------------------- */
+/* ---- storing ----------------------------------------------------------------------------------------------------- */
 
 /* What an entry with the effect of storing or restoring acts on. */
 typedef struct {
@@ -84,7 +84,7 @@ typedef struct {
     uint8_t axis; /* only this axis, or ODS_ALL_AXES */
 } ods_store_row_t;
 
-/* ---- drive ------------------------------------------------------------------------------------------------------ */
+/* ---- drive ------------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     int8_t code; /* in 6060h */
@@ -156,7 +156,7 @@ typedef struct {
     ods_axis_field_t field;
 } ods_ramp_row_t;
 
-/* ---- the device ------------------------------------------------------------------------------------------------- */
+/* ---- the device -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     const ods_od_t *od;

@@ -54,6 +54,7 @@ typedef enum {
     ODS_TIMER_SDO, /* the client is silent */
     ODS_TIMER_CONSUMER_1, /* a watched heartbeat is late; one for each sub-index of 1016h */
     ODS_TIMER_CONSUMER_LAST = ODS_TIMER_CONSUMER_1 + 3,
+    ODS_TIMER_LIFE, /* life time is over, or a part of it that is as long as a timer may be */
     ODS_TIMER_TICK, /* the next tick; its instant holds even while it is not armed */
     ODS_TIMER_HEARTBEAT, /* the next heartbeat is due */
     ODS_TIMER_EMCY, /* the inhibit time of emergencies ends */
@@ -86,7 +87,7 @@ typedef struct {
 #define ODS_CONSUMERS 4u
 
 typedef struct {
-    uint32_t life_ticks; /* ticks until the master is missed; 0: life guarding does not run */
+    uint32_t life_ticks; /* of the life time: those that remain when its timer runs out */
     uint8_t lost; /* heartbeats that are missing: bit 1 << (sub-index of 1016h - 1); bit 7: the master's guarding */
     uint8_t toggle; /* bit 7 of the next guarding answer */
 } ods_heartbeat_t;
@@ -132,40 +133,55 @@ typedef struct {
     uint16_t sequence; /* of its record */
 } ods_store_t;
 
-/* A mapped entry, found once, when the mapping comes into force. */
+/*
+ * A mapped entry, found once, when the mapping comes into force. It belongs to the device or to an axis, so the number
+ * of its instance is small.
+ */
 typedef struct {
-    uint16_t entry; /* in od->entries */
-    uint16_t instance;
+    uint16_t at; /* of a TPDO: octets from the beginning of the values; of an RPDO: its number in od->entries */
+    uint8_t instance;
+    uint8_t place; /* its first octet in the frame; << 4 the binary logarithm of its size */
 } ods_pdo_ref_t;
 
 #define ODS_PDO_BUCKETS 16u
-#define ODS_PDO_NONE 0xFFFFu
 
+/* What RPDOs and TPDOs have in common. */
 typedef struct {
-    uint8_t held[8]; /* the newest frame, until its SYNC comes */
-    uint16_t next; /* the next RPDO whose CAN-ID falls into the same bucket */
+    ods_pdo_values_t *values; /* its parameters */
+    ods_pdo_ref_t *refs;
     uint8_t mapped; /* entries in force; 0 while the PDO is inactive */
     uint8_t length; /* octets of its frame */
-    uint8_t is_held;
-    uint8_t syncs; /* SYNCs since the last application */
+    uint8_t syncs; /* SYNCs since the last transmission or application */
+    uint8_t flags;
+} ods_pdo_common_t;
+
+typedef struct ods_rpdo {
+    ods_pdo_common_t pdo;
+    struct ods_rpdo *next; /* the next active one whose CAN-ID falls into the same bucket */
+    struct ods_rpdo *next_synchronous;
+    uint8_t held[8]; /* the newest frame, until its SYNC comes */
 } ods_rpdo_t;
 
-typedef struct {
-    uint32_t watched; /* instances that it carries values of, see ods_node_t.changed */
+typedef struct ods_tpdo {
+    ods_pdo_common_t pdo;
+    struct ods_tpdo *next; /* the next active one of its kind: either synchronous or not */
+    uint32_t watched; /* what it carries values of, see ods_node_t.changed */
     uint32_t event_at; /* its event timer runs out */
     uint32_t sent_at; /* its last transmission, unless that is long ago */
     uint8_t image[8]; /* as last sent */
-    uint8_t mapped; /* entries in force; 0 while the PDO is inactive */
-    uint8_t length; /* octets of its frame */
-    uint8_t flags;
-    uint8_t syncs; /* SYNCs since the last transmission */
 } ods_tpdo_t;
 
+/* Active PDOs are chained in ascending order, so that nothing has to look at the others. */
 typedef struct {
     ods_rpdo_t *rpdos;
     ods_tpdo_t *tpdos;
     ods_pdo_ref_t *mapped; /* od->max_mapped for each RPDO, then for each TPDO */
-    uint16_t buckets[ODS_PDO_BUCKETS]; /* the first active RPDO of each */
+    ods_rpdo_t *buckets[ODS_PDO_BUCKETS]; /* the first active RPDO of each */
+    ods_rpdo_t *synchronous_rpdos;
+    ods_tpdo_t *synchronous_tpdos;
+    ods_tpdo_t *event_tpdos;
+    uint32_t watched; /* by any active TPDO */
+    uint32_t aged_at; /* when transmissions that are long ago were last forgotten */
 } ods_pdo_t;
 
 /* An axis. The motion modules will add to it; until then it rests in SWITCH ON DISABLED. */
@@ -189,7 +205,7 @@ typedef struct ods_node {
     uint32_t wake; /* nothing is due before */
     uint32_t armed; /* bit 1 << ods_timer_t */
     uint32_t deadlines[ODS_TIMERS];
-    uint32_t changed; /* instances with a changed value that a TPDO may carry; bit 31 stands for all above 30 */
+    uint32_t changed; /* values that a TPDO carries and that have changed, see ods_instance_bit() */
 
     uint8_t work; /* ODS_WORK_... */
     uint8_t id; /* the node-ID in force */
@@ -217,7 +233,7 @@ typedef struct {
     uint8_t *buffer; /* od->buffer_size */
 } ods_memory_t;
 
-/* ---- functions ---------------------------------------------------------------------------------------------------- */
+/* ---- functions --------------------------------------------------------------------------------------------------- */
 
 /*
  * Tie a node to its device, memory and port. The generated header has a function that does so for its device.

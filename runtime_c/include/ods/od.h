@@ -212,57 +212,17 @@ typedef struct {
 /* What an address on the bus leads to. */
 typedef struct {
     const ods_od_entry_t *entry;
-    uint16_t instance;
+    uint32_t instance;
 } ods_od_ref_t;
 
 /*
  * Look an address up. Returns 0, or the SDO abort code that says why there is nothing: ODS_ABORT_NO_OBJECT or
- * ODS_ABORT_NO_SUB_INDEX; `ref` is then untouched. Every index and sub-index is safe to ask for.
+ * ODS_ABORT_NO_SUB_INDEX; what `ref` holds is then of no meaning. Every index and sub-index is safe to ask for.
  */
-static inline uint32_t ods_od_find(const ods_od_t *od, uint16_t index, uint8_t sub, ods_od_ref_t *ref)
-{
-    const uint32_t page = (uint32_t)index >> 9;
-    const uint32_t low = (uint32_t)index & 0x1FFu;
-    const ods_od_fold_t *fold = NULL;
-    uint32_t instance = od->owners[page];
-    uint32_t number;
-
-    if (instance >= ODS_OD_FOLDED) {
-        fold = &od->folds[instance & (ODS_OD_FOLDED - 1u)];
-        instance = fold->first + (low >> fold->shift);
-    }
-    if ((fold != NULL) && (fold->each != 0u)) {
-        const uint32_t group = low >> fold->shift;
-        const uint32_t pdo = low - (group << fold->shift);
-        if ((group >= fold->groups) || (pdo >= fold->each)) {
-            return ODS_ABORT_NO_OBJECT;
-        }
-        if (sub >= fold->subs) {
-            return ODS_ABORT_NO_SUB_INDEX;
-        }
-        instance = fold->first + (group * fold->each) + pdo;
-        number = (uint32_t)fold->entry + sub;
-    } else {
-        const uint32_t map = (uint32_t)od->map_of[page] << 2;
-        const ods_od_chunk_t *const chunk = &od->chunks[od->maps[map + (low >> 4)]];
-        const uint8_t *const first = &chunk->first[low & 15u];
-        number = (uint32_t)first[0] + sub;
-        if (number >= first[1]) {
-            return (first[0] == first[1]) ? ODS_ABORT_NO_OBJECT : ODS_ABORT_NO_SUB_INDEX;
-        }
-        number += chunk->entry;
-    }
-    const ods_od_entry_t *const entry = &od->entries[number];
-    if (entry->kind == 0u) {
-        return ODS_ABORT_NO_SUB_INDEX;
-    }
-    ref->entry = entry;
-    ref->instance = (uint16_t)instance;
-    return 0;
-}
+uint32_t ods_od_find(const ods_od_t *od, uint16_t index, uint8_t sub, ods_od_ref_t *ref);
 
 /* The struct of an instance in a block of values. */
-static inline void *ods_od_instance(const ods_od_t *od, void *values, uint16_t instance)
+static inline void *ods_od_instance(const ods_od_t *od, void *values, uint32_t instance)
 {
     return (uint8_t *)values + od->bases[instance];
 }

@@ -38,7 +38,7 @@ typedef enum {
     ODS_INPUT_ADDRESS, /* the address switches, 0 without any; read at power-on and reset node */
     ODS_INPUT_ENABLE, /* the enable input of the module, 1 at power-on; 0 is the condition `shutdown_switch` */
     ODS_INPUT_DIGITAL, /* general purpose inputs: bit n is INn */
-    ODS_INPUT_ANALOG, /* a reading of analog input `channel` */
+    ODS_INPUT_ANALOG, /* a reading of analog input `channel`, 16 bits; more counts as FFFFh */
     ODS_INPUTS
 } ods_input_t;
 

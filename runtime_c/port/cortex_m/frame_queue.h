@@ -1,7 +1,7 @@
 /*
  * A queue of frames between an interrupt handler and the main loop: one side puts, the other takes, no lock.
  *
- * Each index is written by one side only, and all of it is volatile, so that a compiler keeps the order of the accesses.
+ * Each index is written by one side only, and all of it is volatile: a compiler has to keep the order of accesses.
  * This is enough where both sides run on one core, as on any Cortex-M with a single one.
  */
 #ifndef FRAME_QUEUE_H

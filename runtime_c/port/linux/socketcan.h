@@ -23,7 +23,7 @@ int socketcan_frame(const struct can_frame *from, ods_frame_t *to);
 
 #define SOCKETCAN_EVENTS 8u
 
-/* What an error frame reports, in the order in which the node has to be told. Gives their number, 0 for other frames. */
+/* What an error frame reports, in the order in which the node has to be told. Gives their number; 0: another frame. */
 uint32_t socketcan_events(const struct can_frame *from, ods_can_t events[SOCKETCAN_EVENTS]);
 
 #endif

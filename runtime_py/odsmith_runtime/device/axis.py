@@ -36,8 +36,7 @@ class Axis:
         self.update()
 
     def written(self, effect: str) -> None:
-        """A value of the axis was written."""
-        self.update()
+        """A value of the axis was written. At rest an axis obeys nothing."""
 
     def react(self, reaction: str) -> None:
         """What an emergency does to the axis."""
@@ -61,7 +60,7 @@ class Axis:
         """The statusword follows the state of the axis and of the module."""
         node = self._node
         status = node.pds_states[self.state].value
-        if node.io.enable and Condition.UNDERVOLTAGE not in self.conditions:
+        if Condition.SHUTDOWN_SWITCH not in node.emcy.conditions and Condition.UNDERVOLTAGE not in self.conditions:
             status |= _VOLTAGE_ENABLED
         if node.emcy.is_warned(self.conditions):
             status |= _WARNING

@@ -73,7 +73,7 @@ def apply(node: Node, cell: Cell) -> None:
         case Effect.PDO_COB_ID:
             node.pdo.cob_id_written(cell.instance)
         case Effect.PDO_MAPPED_COUNT | Effect.PDO_MAPPING:
-            node.pdo.activate(cell.instance)
+            node.pdo.mapping_written(cell.instance, cell.entry.sub)
         case Effect.PDO_PARAMETER:
             node.pdo.parameter_written(cell.instance, cell.entry.sub)
         case Effect.OS_COMMAND:

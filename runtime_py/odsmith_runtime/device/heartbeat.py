@@ -2,7 +2,7 @@
 
 The twin of `ods_heartbeat.c`. The producer keeps a fixed grid. A consumer is armed by the first heartbeat of the node
 that it watches; a boot-up message disarms it. Guarding is answered while no heartbeat is produced, and life guarding
-runs from the first request on. Its time can be longer than a timer lasts, so it counts ticks.
+runs from the first request on. Its time can be longer than a timer lasts.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _TOGGLE = 0x80
 _STATE = 0x7F
+_LIFE_STEP = 1_000_000  # ticks that a timer may last
 _GUARDING = -1  # in `lost`: the master is missing
 
 
@@ -33,7 +34,7 @@ def _watched(entry: int) -> int:
 class Heartbeat:
     def __init__(self, node: Node) -> None:
         self._node = node
-        self.life_ticks = 0  # ticks until the master is missed; 0: life guarding does not run
+        self._life_ticks = 0  # of the life time: those that remain when its timer runs out
         self.lost: set[int] = set()  # what is missing: entries of 1016h, counted from 0, and _GUARDING
         self._toggle = 0  # bit 7 of the next guarding answer
 
@@ -41,7 +42,7 @@ class Heartbeat:
         """After a reset."""
         for n in range(len(self._node.values.consumer_heartbeat_time)):
             self._node.timers.stop(f"consumer_{n}")
-        self.life_ticks = 0
+        self._node.timers.stop("life")
         self._toggle = 0
         self._set_lost(set())
         self.producer_written()
@@ -91,19 +92,18 @@ class Heartbeat:
             if self._node.timers.is_due(f"consumer_{n}"):
                 self._node.timers.stop(f"consumer_{n}")
                 self._set_lost(self.lost | {n})
+        if not self._node.timers.is_due("life"):
+            return
+        if self._life_ticks:
+            self._run_life_timer(self._node.timers.now)
+        else:
+            self._node.timers.stop("life")
+            self._set_lost(self.lost | {_GUARDING})
 
     # ---- guarding --------------------------------------------------------------------------------------------------
 
     def guard_written(self) -> None:
-        self.life_ticks = 0
-        self._found(_GUARDING)
-
-    def tick(self) -> None:
-        """A tick of life guarding."""
-        if self.life_ticks:
-            self.life_ticks -= 1
-            if not self.life_ticks:
-                self._set_lost(self.lost | {_GUARDING})
+        self._stop_life_time()
 
     def _answer_guarding(self) -> None:
         node = self._node
@@ -118,10 +118,21 @@ class Heartbeat:
         """Life time is over at the first tick that is not before its end."""
         values, timers = self._node.values, self._node.timers
         time = values.guard_time * values.life_time_factor
-        on_tick = timers.next_tick() - timers.now & MASK == TICK_US
-        self.life_ticks = time + (not on_tick) if time else 0
+        tick = timers.next_tick()
+        timers.stop("life")
         if time:
-            timers.arm_tick()
+            self._life_ticks = time - 1 if tick - timers.now & MASK == TICK_US else time
+            self._run_life_timer(tick)
+
+    def _run_life_timer(self, start: int) -> None:
+        """Let the timer run for as many of the remaining ticks as it may."""
+        ticks = min(self._life_ticks, _LIFE_STEP)
+        self._life_ticks -= ticks
+        self._node.timers.deadlines["life"] = start + ticks * TICK_US & MASK
+
+    def _stop_life_time(self) -> None:
+        self._node.timers.stop("life")
+        self._found(_GUARDING)
 
     # ---- producer --------------------------------------------------------------------------------------------------
 
@@ -130,8 +141,7 @@ class Heartbeat:
         if not period:
             self._node.timers.stop("heartbeat")
             return
-        self.life_ticks = 0  # heartbeat and guarding exclude each other
-        self._found(_GUARDING)
+        self._stop_life_time()  # heartbeat and guarding exclude each other
         self._node.timers.start("heartbeat", period * US_PER_MS)
 
     def transmit(self) -> None:

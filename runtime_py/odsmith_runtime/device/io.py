@@ -50,7 +50,7 @@ class Io:
                 self.digital = value & self._input_lines
             case Input.ANALOG:
                 if channel < self._analog_inputs:
-                    self.analog[channel] = value
+                    self.analog[channel] = min(value, 0xFFFF)
 
     def tick(self) -> None:
         """Sample the inputs."""

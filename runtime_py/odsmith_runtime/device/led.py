@@ -20,9 +20,10 @@ OUTPUTS = {"run": Output.RUN_LED, "error": Output.ERROR_LED}
 
 
 class _State:
-    def __init__(self, led: Led) -> None:
-        self.led = led
-        self.timer = f"{led.name}_led"
+    def __init__(self, name: str, led: Led | None) -> None:
+        self.output = OUTPUTS[name]
+        self.patterns = led.patterns if led else ()
+        self.timer = f"{name}_led"
         self.shown: tuple[LedPattern, str] | None = None
         self.phase = 0
         self.on = 0
@@ -31,7 +32,7 @@ class _State:
 class Leds:
     def __init__(self, node: Node, leds: Mapping[str, Led]) -> None:
         self._node = node
-        self._leds = [_State(leds[name]) for name in OUTPUTS if name in leds]
+        self._leds = [_State(name, leds.get(name)) for name in OUTPUTS]
 
     def power_on(self) -> None:
         for state in self._leds:
@@ -42,17 +43,17 @@ class Leds:
         """Choose the patterns, step them, and tell the port the LEDs that have changed; at power-on all of them."""
         for state in self._leds:
             was_on = state.on
-            self._show(state, self._choose(state.led))
+            self._show(state, self._choose(state))
             if all or was_on != state.on:
-                self._node.port.output(OUTPUTS[state.led.name], 0, state.on)
+                self._node.port.output(state.output, 0, state.on)
 
     def is_due(self) -> bool:
         """Whether a phase ends now."""
         return any(self._node.timers.is_due(state.timer) for state in self._leds)
 
-    def _choose(self, led: Led) -> tuple[LedPattern, str] | None:
+    def _choose(self, state: _State) -> tuple[LedPattern, str] | None:
         """The pattern that shows and its reason; None leaves the LED dark."""
-        reasons = [(pattern, when) for pattern in led.patterns for when in pattern.when if self._holds(when)]
+        reasons = [(pattern, when) for pattern in state.patterns for when in pattern.when if self._holds(when)]
         return max(reasons, key=lambda reason: reason[0].priority, default=None)
 
     def _holds(self, when: str) -> bool:

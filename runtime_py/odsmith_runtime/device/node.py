@@ -135,8 +135,9 @@ class Node:
 
     def next(self) -> int | None:
         """The next instant at which the node has something to do."""
-        at = self._earliest()
-        return None if at == self.timers.now + HORIZON_US & MASK else at
+        horizon = self.timers.now + HORIZON_US & MASK
+        at = self._earliest(horizon)
+        return None if at == horizon else at
 
     def read(self, index: int, sub: int) -> bytes | AbortCode:
         """Read an entry as an SDO upload would, without a bus."""
@@ -182,7 +183,8 @@ class Node:
         """Work off all instants up to `now`."""
         now &= MASK
         while True:
-            at = self._earliest()
+            # The grid of ticks must not fall behind, however little happens: _work_off() moves it on.
+            at = self._earliest(self.timers.tick_at + HORIZON_US & MASK)
             if before(now, at):
                 break
             self.timers.now = at
@@ -190,8 +192,9 @@ class Node:
             self._finish()
         self.timers.now = now
 
-    def _earliest(self) -> int:
-        return self.pdo.earliest(self.timers.earliest())
+    def _earliest(self, horizon: int) -> int:
+        """The next instant at which something is due, or the horizon."""
+        return self.pdo.earliest(self.timers.earliest(horizon))
 
     def _work_off(self) -> None:
         """Everything that is due at this instant."""
@@ -212,12 +215,11 @@ class Node:
         self.pdo.expire()
 
     def _tick(self) -> None:
-        self.heartbeat.tick()
         self.timers.stop("tick")
         self.io.tick()
         for axis in self.axes:
             axis.tick()
-        if self.heartbeat.life_ticks or any(axis.is_armed for axis in self.axes):
+        if any(axis.is_armed for axis in self.axes):
             self.timers.arm_tick()
 
     def _end_turn(self) -> None:

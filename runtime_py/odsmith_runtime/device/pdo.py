@@ -163,8 +163,10 @@ class Pdos:
 
     def reset(self) -> None:
         """All parameters are new: after a reset."""
+        for tpdo in self._tpdos:
+            tpdo.sent_at = None
         for pdo in (*self._rpdos, *self._tpdos):
-            self.activate(pdo.instance)
+            self._activate(pdo)
 
     def start(self) -> None:
         """OPERATIONAL begins."""
@@ -173,9 +175,33 @@ class Pdos:
         for tpdo in self._tpdos:
             self._start_tpdo(tpdo)
 
-    def activate(self, instance: Instance) -> None:
-        """The mapping of a PDO changed: it starts afresh, if it is active."""
+    def cob_id_written(self, instance: Instance) -> None:
+        """The COB-ID of a PDO was written: it starts, stops or goes on."""
         pdo = self._pdo(instance)
+        if not pdo.mapped or not pdo.is_active:
+            self._activate(pdo)  # else nothing but bit 30 can have changed: it goes on
+
+    def mapping_written(self, instance: Instance, sub: int) -> None:
+        """A mapping entry or (sub-index 0) their number was written. What is in force now starts afresh."""
+        pdo = self._pdo(instance)
+        if sub <= pdo.values.pdo_mapped_count:
+            self._activate(pdo)  # else it stands behind the entries in force
+
+    def parameter_written(self, instance: Instance, sub: int) -> None:
+        """A parameter was written that is in force at any time."""
+        pdo = self._pdo(instance)
+        if isinstance(pdo, _Rpdo):
+            pdo.start()
+        elif isinstance(pdo, _Tpdo):
+            if sub == _TRANSMISSION_TYPE:
+                pdo.syncs = 0
+            if sub != _INHIBIT_TIME:
+                self._start_event_timer(pdo)
+            pdo.pending = True  # have another look
+            self._node.work |= Work.TPDO
+
+    def _activate(self, pdo: _Pdo) -> None:
+        """COB-ID or mapping of a PDO changed: it starts afresh, if it is active."""
         pdo.mapped = self._mapped_cells(pdo)
         pdo.length = (sum(codec.bits(cell.entry.type) for cell in pdo.mapped) + 7) // 8
         if isinstance(pdo, _Tpdo):
@@ -183,23 +209,6 @@ class Pdos:
             self._start_tpdo(pdo)
         elif isinstance(pdo, _Rpdo):
             pdo.start()
-
-    def cob_id_written(self, instance: Instance) -> None:
-        """The COB-ID of a PDO was written: it starts, stops or goes on."""
-        pdo = self._pdo(instance)
-        if not pdo.mapped or not pdo.is_active:
-            self.activate(instance)  # else nothing but bit 30 can have changed: it goes on
-
-    def parameter_written(self, instance: Instance, sub: int) -> None:
-        """A parameter was written that is in force at any time."""
-        pdo = self._pdo(instance)
-        if not isinstance(pdo, _Tpdo) or sub == _TRANSMISSION_TYPE:
-            pdo.syncs = 0
-        if isinstance(pdo, _Tpdo):
-            if sub != _INHIBIT_TIME:
-                self._start_event_timer(pdo)
-            pdo.pending = True  # have another look
-            self._node.work |= Work.TPDO
 
     def _mapped_cells(self, pdo: _Pdo) -> list[Cell]:
         """Stored parameters are no exception: what does not resolve is not in force."""
@@ -213,7 +222,7 @@ class Pdos:
     def _start_tpdo(self, tpdo: _Tpdo) -> None:
         """A TPDO begins its work: it is sent once, whatever it carries."""
         tpdo.syncs = 0
-        tpdo.due, tpdo.pending, tpdo.sent_at = True, False, None
+        tpdo.due, tpdo.pending = True, False  # the inhibit time goes on
         self._start_event_timer(tpdo)
         self._node.work |= Work.TPDO
 
@@ -280,8 +289,6 @@ class Pdos:
 
     def expire(self) -> None:
         """Event timers and inhibit times that end now."""
-        if not self._is_operational:
-            return
         now = self._node.timers.now
         for tpdo in self._tpdos:
             if tpdo.event_at is not None and not before(now, tpdo.event_at):
@@ -304,11 +311,11 @@ class Pdos:
             concerned = tpdo.due or tpdo.pending or not tpdo.watched.isdisjoint(node.changed)
             if not tpdo.mapped or tpdo.is_synchronous or not concerned:
                 continue
-            if tpdo.inhibited_until(node.timers.now) is not None:
-                tpdo.pending = True
-                continue
             image = self._sample(tpdo)
-            if tpdo.due or image != tpdo.image:
+            is_new = tpdo.due or image != tpdo.image
+            if tpdo.inhibited_until(node.timers.now) is not None:
+                tpdo.pending |= is_new
+            elif is_new:
                 self._send(tpdo, image)
             else:
                 tpdo.pending = False

@@ -38,7 +38,7 @@ class Input(IntEnum):
     ADDRESS = 0  # the address switches, 0 without any; read at power-on and reset node
     ENABLE = 1  # the enable input of the module, 1 at power-on
     DIGITAL = 2  # general purpose inputs: bit n is INn
-    ANALOG = 3  # a reading of analog input `channel`
+    ANALOG = 3  # a reading of analog input `channel`, 16 bits; more counts as FFFFh
 
 
 class Can(IntEnum):

@@ -12,6 +12,7 @@ record remains. All numbers are little-endian:
 from __future__ import annotations
 
 import zlib
+from contextlib import suppress
 from typing import TYPE_CHECKING, NamedTuple
 
 from odsmith_cia.codes import AbortCode
@@ -55,7 +56,8 @@ class Store:
 
     def load(self, *, communication_only: bool) -> None:
         """Find the record in force and take its values over: all of them, or those of 1000h to 1FFFh."""
-        self._find_record()
+        with suppress(MemoryFailure):  # what cannot be read is not in force
+            self._find_record()
         payload = self._read_payload()
         at = 2 * self._owners
         for cell in self._cells:
@@ -66,22 +68,29 @@ class Store:
                 cell.write(octets)
 
     def _find_record(self) -> None:
-        """The newest valid record is in force; sequence numbers are compared as they wrap."""
+        """The newest valid record is in force; sequence numbers are compared as they wrap.
+
+        Raises MemoryFailure, but not before the banks that can be read have been looked at.
+        """
         self._record = None
+        failure: MemoryFailure | None = None
         for bank in range(_BANKS):
-            sequence = self._valid_sequence(bank)
+            try:
+                sequence = self._valid_sequence(bank)
+            except MemoryFailure as error:
+                failure = error
+                continue
             newest: _Record | None = self._record
             if sequence is not None and (newest is None or 0 < (sequence - newest.sequence & 0xFFFF) < 0x8000):
                 self._record = _Record(bank, sequence)
+        if failure:
+            raise failure
 
     def _valid_sequence(self, bank: int) -> int | None:
-        try:
-            header = self._read(self._address(bank), _HEADER)
-            if self._number(header, 0, 4) != self._layout or self._number(header, 6, 2) != self._payload:
-                return None
-            payload = self._read(self._address(bank) + _HEADER, self._payload)
-        except MemoryFailure:
+        header = self._read(self._address(bank), _HEADER)
+        if self._number(header, 0, 4) != self._layout or self._number(header, 6, 2) != self._payload:
             return None
+        payload = self._read(self._address(bank) + _HEADER, self._payload)
         if zlib.crc32(header[:8] + payload) != self._number(header, 8, 4):
             return None
         return self._number(header, 4, 2)
@@ -108,15 +117,16 @@ class Store:
 
     def restore(self, command: Entry[object]) -> int:
         """What writing the signature to 1011h does: 0, or the abort code of a memory that fails."""
-        if self._record is None:
-            return 0  # the defaults are in force already
         return self._change(command, save=False)
 
     def _change(self, command: Entry[object], *, save: bool) -> int:
         if not command.groups:
             return 0
         try:
-            self._write_record(command, save)
+            if self._record is None:
+                self._find_record()  # perhaps it could not be read before
+            if save or self._record is not None:  # without a record the defaults are in force already
+                self._write_record(command, save)
         except MemoryFailure:
             return AbortCode.HARDWARE
         return 0

@@ -53,9 +53,9 @@ class Timers:
         """Have the next tick visited."""
         self.deadlines["tick"] = self.next_tick()
 
-    def earliest(self) -> int:
+    def earliest(self, horizon: int) -> int:
         """The next deadline, or the horizon."""
-        at = (self.now + HORIZON_US) & MASK
+        at = horizon
         for deadline in self.deadlines.values():
             if before(deadline, at):
                 at = deadline

@@ -1,6 +1,6 @@
 /*
- * Stands in for the runtime's ods_node_init(): prints how many elements of each array in the memory of a node the device
- * needs, and fails unless there is room for them. The arrays are filled and must not touch each other.
+ * Stands in for the runtime's ods_node_init(): prints how many elements of each array in the memory of a node the
+ * device needs, and fails unless there is room for them. The arrays are filled and must not touch each other.
  * Compile with -DNODE_HEADER='"x.h"', -DNODE=x_t, -DINIT=x_init and -DDEVICE=x_device.
  */
 #include NODE_HEADER

@@ -1,0 +1,73 @@
+"""The C testee and the Python testee are one device: on the same lines they give the same text.
+
+Scenarios are played once as they are and once with a clock that is about to wrap; hypothesis writes more. Differences
+that are known stand in `known_differences.yaml`, by the name of the scenario: it has to be empty, and one that is no
+difference any more fails.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import pytest
+import yaml
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.cross import events
+from tests.cross.driver import Testee
+from tests.cross.scenario import SCENARIOS, Scenario, all_scenarios
+from tests.cross.testee import Bench
+
+from odsmith.model import Device
+
+pytestmark = pytest.mark.slow
+
+WRAP = 0xFFFFFF00
+
+KNOWN: dict[str, str] = yaml.safe_load((SCENARIOS.parent / "known_differences.yaml").read_text()) or {}
+
+Start = Callable[..., Testee]
+StartPython = Callable[..., Bench]
+
+
+def first_difference(lines: Sequence[str], in_c: Testee, in_python: Bench) -> str:
+    """The dialogue up to the first line that the two answer differently; nothing if they are equal."""
+    for number, line in enumerate(lines, start=1):
+        c, python = in_c.line(line).lines, tuple(in_python.answer(line))
+        if c != python:
+            return "\n".join([*(f"> {text}" for text in lines[:number]), "--- C", *c, "--- Python", *python])
+    return ""
+
+
+@pytest.mark.parametrize("clock", [0, WRAP], ids=["plain", "wrapping"])
+@pytest.mark.parametrize("scenario", all_scenarios(), ids=lambda scenario: scenario.name)
+def test_scenario(
+    scenario: Scenario, clock: int, start: Start, start_python: StartPython, request: pytest.FixtureRequest
+) -> None:
+    device: Device = request.getfixturevalue(scenario.device)
+    options = {**scenario.options, **({"time": clock} if clock else {})}
+    lines = [*(step.line for step in scenario.steps), "DUMP 0000-FFFF", "NVM"]
+    difference = first_difference(lines, start(device, **options), start_python(device, **options))
+    if scenario.name in KNOWN:
+        assert difference, f"{scenario.name} is equal now: take it off the known differences"
+    else:
+        assert not difference, difference
+
+
+def test_no_difference_is_known() -> None:
+    assert not KNOWN
+
+
+@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy"])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@given(data=st.data())
+def test_any_dialogue(
+    name: str, data: st.DataObject, start: Start, start_python: StartPython, request: pytest.FixtureRequest
+) -> None:
+    device: Device = request.getfixturevalue(name)
+    node_id = data.draw(st.sampled_from([1, 5, 127]), "node-ID")
+    lines = data.draw(events.dialogues(device, node_id), "lines")
+    clock = data.draw(st.sampled_from([0, WRAP]), "clock")
+    with start(device, node_id=node_id, time=clock) as in_c:
+        difference = first_difference(lines, in_c, start_python(device, node_id=node_id, time=clock))
+    assert not difference, difference
