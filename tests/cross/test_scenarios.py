@@ -1,4 +1,4 @@
-"""Each scenario, played to the C testee: what it answers is what the standard, the manual or the contract says."""
+"""Each scenario, played to both testees: what they answer is what the standard, the manual or the contract says."""
 
 from __future__ import annotations
 
@@ -7,20 +7,49 @@ from collections.abc import Callable
 import pytest
 from tests.cross.driver import Testee
 from tests.cross.scenario import Scenario, all_scenarios
+from tests.cross.testee import Bench
 
 from odsmith.model import Device
 
-pytestmark = pytest.mark.slow
+each_scenario = pytest.mark.parametrize("scenario", all_scenarios(), ids=lambda scenario: scenario.name)
 
 
-@pytest.mark.parametrize("scenario", all_scenarios(), ids=lambda scenario: scenario.name)
+def play(scenario: Scenario, answer_to: Callable[[str], tuple[str, ...]]) -> None:
+    for step in scenario.steps:
+        answer = answer_to(step.line)
+        assert step.accepts(answer), "\n".join(
+            [f"{scenario.path}:{step.number}: > {step.line}", "expected", *step.expected, "answered", *answer]
+        )
+
+
+@pytest.mark.slow
+@each_scenario
 def test_c_answers_as_the_scenario_says(
     scenario: Scenario, start: Callable[..., Testee], request: pytest.FixtureRequest
 ) -> None:
     device: Device = request.getfixturevalue(scenario.device)
     testee = start(device, **scenario.options)
-    for step in scenario.steps:
-        answer = testee.line(step.line).lines
-        assert step.accepts(answer), "\n".join(
-            [f"{scenario.path}:{step.number}: > {step.line}", "expected", *step.expected, "answered", *answer]
-        )
+    play(scenario, lambda line: testee.line(line).lines)
+
+
+@each_scenario
+def test_python_answers_as_the_scenario_says(
+    scenario: Scenario, start_python: Callable[..., Bench], request: pytest.FixtureRequest
+) -> None:
+    device: Device = request.getfixturevalue(scenario.device)
+    bench = start_python(device, **scenario.options)
+    play(scenario, lambda line: tuple(bench.answer(line)))
+
+
+def test_there_are_scenarios_for_every_abort_code(tmcm3230: Device, tmcm6212: Device) -> None:
+    """Each code that a device declares as used is expected by a scenario of that device."""
+    for device in (tmcm3230, tmcm6212):
+        expected = {
+            int.from_bytes(bytes.fromhex(line)[-4:], "little")
+            for scenario in all_scenarios()
+            if scenario.device == device.identity.identifier
+            for step in scenario.steps
+            for frame in step.expected
+            if frame.startswith("TX 5") and (line := frame[7:]).startswith("80 ")
+        }
+        assert {code.code for code in device.abort_codes if code.used} <= expected
