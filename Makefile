@@ -5,6 +5,8 @@
 # make bench  figures of speed and memory, beside the peers'
 # make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
 # make coverage            lines of the C runtime that the tests execute
+# make bench-cross         how much the two runtimes are held to each other, and how fast they answer
+# make cross-long          C and Python on dialogues at random until CROSS_SECONDS are over; for ever
 # make fuzz, fuzz-short    events at random until FUZZ_SECONDS are over; for ever, or for one minute
 
 PYTHON ?= python3
@@ -15,7 +17,7 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint bench bench-c sizes coverage fuzz fuzz-short clean
+.PHONY: all test fast lint bench bench-c bench-cross sizes coverage cross-long fuzz fuzz-short clean
 
 all: $(SET_UP)
 	$(BIN)/odsmith build
@@ -38,6 +40,9 @@ bench: $(SET_UP)
 bench-c: $(SET_UP)
 	$(BIN)/python bench/bench_c.py
 
+bench-cross: $(SET_UP)
+	$(BIN)/python -m bench.bench_cross
+
 sizes: $(SET_UP)
 	$(BIN)/python bench/sizes.py
 
@@ -45,6 +50,23 @@ coverage: $(SET_UP)
 	rm -rf build/coverage
 	ODSMITH_COVERAGE=$(CURDIR)/build/coverage $(BIN)/pytest -q -n auto tests/unit/runtime_c tests/cross
 	$(BIN)/python bench/coverage_c.py build/coverage
+
+CROSS_SECONDS ?= 0
+CROSS_EXAMPLES ?= 200
+CROSS_STEPS ?= 100
+CROSS_SEED ?= $(shell date +%s)
+
+# Each round has a seed of its own; one that fails is named.
+cross-long: $(SET_UP)
+	@end=$$(($$(date +%s) + $(CROSS_SECONDS))); seed=$(CROSS_SEED); \
+	while [ $(CROSS_SECONDS) = 0 ] || [ $$(date +%s) -lt $$end ]; do \
+	    set -- tests/cross/test_machine.py --hypothesis-seed=$$seed; \
+	    echo "CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS) pytest $$*"; \
+	    env -u CI CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS) $(BIN)/pytest -q -n auto "$$@" || \
+	        { echo "again: make cross-long CROSS_SEED=$$seed CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS)"; \
+	          exit 1; }; \
+	    seed=$$((seed + 1)); \
+	done
 
 FUZZ_SECONDS ?= 0
 

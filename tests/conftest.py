@@ -11,6 +11,7 @@ import pytest
 from hypothesis import settings
 from tests.cross.build import Build, build_testee, shared_folder
 from tests.cross.driver import Testee
+from tests.cross.programs import write_python_testee
 
 from odsmith.compile import compile_file
 from odsmith.model import Device
@@ -105,13 +106,26 @@ def c_testee(
     return lambda device: build_testee(device, vocabulary, c_build, folder)
 
 
+@pytest.fixture(scope="session")
+def python_testee(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Device], Path]:
+    """The program that is the Python testee of a device, from its package as the generator makes it now."""
+    folder = tmp_path_factory.mktemp("testees")
+    return lambda device: write_python_testee(device, folder)
+
+
 @pytest.fixture
-def start(c_testee: Callable[[Device], Path]) -> Iterator[Callable[..., Testee]]:
+def testee_program(c_testee: Callable[[Device], Path]) -> Callable[[Device], Path]:
+    """The program that `start` starts; modules that judge both runtimes say otherwise."""
+    return c_testee
+
+
+@pytest.fixture
+def start(testee_program: Callable[[Device], Path]) -> Iterator[Callable[..., Testee]]:
     """`start(device, node_id=5)` starts a testee, still without power. It gives none but the declared abort codes."""
     running: list[tuple[Device, Testee]] = []
 
     def begin(device: Device, *, node_id: int = 0, serial: int = 0, time: int = 0) -> Testee:
-        testee = Testee([str(c_testee(device))], node_id=node_id, serial=serial, time=time)
+        testee = Testee([str(testee_program(device))], node_id=node_id, serial=serial, time=time)
         running.append((device, testee))
         return testee
 

@@ -9,23 +9,20 @@
 
 #include "ods/node.h"
 
-/* An entry and how it is called on the bus. An RPDO knows no addresses: they are 0 there, and nothing asks for them. */
-typedef struct {
-    ods_od_ref_t ref;
-    uint16_t index;
-    uint8_t sub;
-} ods_target_t;
-
 /* Whether an entry may be read now: 0 or an abort code. */
 uint32_t ods_access_readable(const ods_node_t *node, const ods_od_ref_t *ref);
 
 /* Whether an entry takes so many octets: 0 or an abort code. */
 uint32_t ods_access_length(const ods_node_t *node, const ods_od_entry_t *entry, uint32_t length);
 
-/* Write a number of up to 4 octets, its bits above those of the type being 0: 0 or an abort code. */
-uint32_t ods_access_write_number(ods_node_t *node, const ods_target_t *target, uint32_t number);
+/*
+ * Write a number of up to 4 octets; bits above those of the type are not looked at. 0 or an abort code. An SDO tells
+ * its address in node->sdo.address; effects that ask for it cannot be mapped.
+ */
+uint32_t ods_access_write_number(
+    ods_node_t *node, const ods_od_entry_t *entry, uint32_t instance, uint32_t number);
 
 /* Write any entry; the number of octets has been checked. 0 or an abort code. */
-uint32_t ods_access_write(ods_node_t *node, const ods_target_t *target, const uint8_t *octets, uint16_t length);
+uint32_t ods_access_write(ods_node_t *node, const ods_od_ref_t *ref, const uint8_t *octets, uint16_t length);
 
 #endif

@@ -67,11 +67,11 @@ void ods_axis_reset(ods_node_t *node, uint8_t axis)
     ods_axis_update(node, axis);
 }
 
-void ods_axis_written(ods_node_t *node, uint32_t axis, uint8_t effect)
+void ods_axis_written(ods_node_t *node, uint32_t instance, uint32_t effect)
 {
     /* At rest an axis obeys nothing. */
     (void)node;
-    (void)axis;
+    (void)instance;
     (void)effect;
 }
 

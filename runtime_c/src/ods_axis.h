@@ -10,8 +10,8 @@
 /* As at power-on. The values of the axis have just been set. */
 void ods_axis_reset(ods_node_t *node, uint8_t axis);
 
-/* A value of the axis was written. */
-void ods_axis_written(ods_node_t *node, uint32_t axis, uint8_t effect);
+/* A value with an effect of axes was written. The instance is that of an axis if the device has axes. */
+void ods_axis_written(ods_node_t *node, uint32_t instance, uint32_t effect);
 
 /* What an emergency does to the axis (ods_reaction_t). */
 void ods_axis_react(ods_node_t *node, uint8_t axis, uint8_t reaction);

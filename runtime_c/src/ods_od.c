@@ -29,7 +29,7 @@ static void long_number(const ods_od_t *od, uint8_t *values, const ods_od_ref_t 
         const uint32_t *const words = &od->words[ref->entry->at];
         value = words[0] | (uint64_t)words[1] << 32;
     } else {
-        memcpy(&value, ods_od_value(od, values, ref), sizeof value);
+        memcpy(&value, ods_od_value(od, values, ref->entry, ref->instance), sizeof value);
     }
     for (uint32_t n = 0; n < 8u; n++) {
         number[n] = (uint8_t)(value >> (8u * n));
@@ -42,7 +42,7 @@ static void set_long_number(const ods_od_t *od, uint8_t *values, const ods_od_re
     for (uint32_t n = 0; n < 8u; n++) {
         value |= (uint64_t)octets[n] << (8u * n);
     }
-    memcpy(ods_od_value(od, values, ref), &value, sizeof value);
+    memcpy(ods_od_value(od, values, ref->entry, ref->instance), &value, sizeof value);
 }
 
 const uint8_t *ods_od_octets(
@@ -94,7 +94,7 @@ void ods_od_set_octets(
         for (uint32_t n = 0; n < length; n++) {
             value |= (uint32_t)octets[n] << (8u * n);
         }
-        ods_od_set_number(od, values, ref, value);
+        ods_od_set_number(od, values, ref->entry, ref->instance, value);
     }
 }
 
@@ -107,11 +107,14 @@ uint32_t ods_od_check(const ods_od_t *od, const ods_od_entry_t *entry, const ods
         const uint32_t sign = 0x80u << (8u * (ods_od_number_size(entry->kind) - 1u));
         value = ODS_OD_BIAS((value ^ sign) - sign);
     }
-    if ((rule->flags & (ODS_OD_SIGNATURE | ODS_OD_LISTED)) == 0u) {
+    if ((rule->flags & ODS_OD_RANGE) != 0u) {
         if (value < interval->low) {
             return ODS_ABORT_VALUE_TOO_LOW;
         }
         return (value > interval->high) ? ODS_ABORT_VALUE_TOO_HIGH : 0u;
+    }
+    if (rule->intervals == 0u) {
+        return 0;
     }
     for (uint32_t n = 0; n < rule->intervals; n++, interval++) {
         if ((value >= interval->low) && (value <= interval->high)) {

@@ -42,10 +42,10 @@ static inline uint32_t ods_od_locate(const ods_od_t *od, uint32_t index, uint32_
     }
     const uint8_t *const map = &od->maps[(uint32_t)od->map_of[page] << 2];
     const ods_od_chunk_t *const chunk = &od->chunks[map[(index >> 4) & 31u]];
-    const uint8_t *const first = &chunk->first[index & 15u];
-    const uint32_t number = first[0] + sub;
-    if (number >= first[1]) {
-        return (first[0] == first[1]) ? ODS_ABORT_NO_OBJECT : ODS_ABORT_NO_SUB_INDEX;
+    const size_t place = index & 15u;
+    const uint32_t number = chunk->first[place] + sub;
+    if (number >= chunk->first[place + 1u]) {
+        return (chunk->first[place] == chunk->first[place + 1u]) ? ODS_ABORT_NO_OBJECT : ODS_ABORT_NO_SUB_INDEX;
     }
     ref->entry = &od->entries[chunk->entry + number];
     ref->instance = instance;
@@ -76,9 +76,10 @@ static inline int ods_od_is_short(uint32_t kind)
     return ods_od_is_number(kind) && !ods_od_is_long(kind);
 }
 
-static inline void *ods_od_value(const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref)
+static inline void *ods_od_value(
+    const ods_od_t *od, uint8_t *values, const ods_od_entry_t *entry, uint32_t instance)
 {
-    return values + od->bases[ref->instance] + ref->entry->at;
+    return values + od->bases[instance] + entry->at;
 }
 
 /* The bits of a number of up to 4 octets, those above being 0. */
@@ -89,7 +90,7 @@ static inline uint32_t ods_od_number(const ods_od_t *od, uint8_t *values, const 
     if ((kind & ODS_CONST) != 0u) {
         return (size == 2u) ? od->words[ref->entry->at] : ref->entry->at;
     }
-    const void *const value = ods_od_value(od, values, ref);
+    const void *const value = ods_od_value(od, values, ref->entry, ref->instance);
     if (size == 2u) {
         return *(const uint32_t *)value;
     }
@@ -97,14 +98,15 @@ static inline uint32_t ods_od_number(const ods_od_t *od, uint8_t *values, const 
 }
 
 /* Put a number of up to 4 octets in place. Constants stay what they are. */
-static inline void ods_od_set_number(const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, uint32_t number)
+static inline void ods_od_set_number(
+    const ods_od_t *od, uint8_t *values, const ods_od_entry_t *entry, uint32_t instance, uint32_t number)
 {
-    const uint32_t kind = ref->entry->kind;
+    const uint32_t kind = entry->kind;
     const uint32_t size = kind & 3u;
     if ((kind & ODS_CONST) != 0u) {
         return;
     }
-    void *const value = ods_od_value(od, values, ref);
+    void *const value = ods_od_value(od, values, entry, instance);
     if (size == 2u) {
         *(uint32_t *)value = number;
     } else if (size == 0u) {
@@ -128,7 +130,14 @@ const uint8_t *ods_od_octets(
 void ods_od_set_octets(
     const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, const uint8_t *octets, uint16_t length);
 
-/* Whether a rule with intervals allows a number of up to 4 octets: 0 or the abort code that says why not. */
+/* A number of up to 4 octets without the bits above those of its type. */
+static inline uint32_t ods_od_cut(uint32_t kind, uint32_t number)
+{
+    const uint32_t unused = 32u - (8u << (kind & 3u));
+    return number << unused >> unused;
+}
+
+/* Whether a rule allows a number of up to 4 octets: 0 or the abort code that says why not. */
 uint32_t ods_od_check(const ods_od_t *od, const ods_od_entry_t *entry, const ods_od_rule_t *rule, uint32_t number);
 
 /* All values, or those of 1000h to 1FFFh alone, as the specification has them at power-on under a node-ID. */

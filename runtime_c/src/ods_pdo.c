@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "ods_access.h"
 #include "ods_can.h"
 #include "ods_core.h"
 #include "ods_emcy.h"
@@ -87,19 +88,19 @@ static uint32_t bits_of(uint32_t kind)
 
 /* ---- parameters -------------------------------------------------------------------------------------------------- */
 
-uint32_t ods_pdo_mapping_state(const ods_node_t *node, const ods_target_t *target)
+uint32_t ods_pdo_mapping_state(const ods_node_t *node, uint32_t instance, uint32_t sub)
 {
-    const ods_pdo_common_t *const pdo = pdo_of(node, target->ref.instance);
+    const ods_pdo_common_t *const pdo = pdo_of(node, instance);
     if (node->common->manufacturer_mode != 0u) {
         return 0;
     }
-    const int is_in_force = (target->sub != 0u) && (pdo->values->pdo_mapped_count != 0u);
+    const int is_in_force = (sub != 0u) && (pdo->values->pdo_mapped_count != 0u);
     return (is_in_force || is_active(pdo)) ? ODS_ABORT_DEVICE_STATE : 0u;
 }
 
-uint32_t ods_pdo_check_cob_id(const ods_node_t *node, const ods_target_t *target, uint32_t cob_id)
+uint32_t ods_pdo_check_cob_id(const ods_node_t *node, uint32_t instance, uint32_t cob_id)
 {
-    const ods_pdo_common_t *const pdo = pdo_of(node, target->ref.instance);
+    const ods_pdo_common_t *const pdo = pdo_of(node, instance);
     const int is_usable =
         ((cob_id & ODS_COB_ID_INVALID) != 0u) ||
         ((((cob_id & ODS_COB_ID_NO_REMOTE) != 0u) || (node->common->manufacturer_mode != 0u)) &&
@@ -148,22 +149,22 @@ static uint32_t check_entries(
     return (bits > MAX_BITS) ? ODS_ABORT_PDO_LENGTH : 0u;
 }
 
-uint32_t ods_pdo_check_count(const ods_node_t *node, const ods_target_t *target, uint32_t count)
+uint32_t ods_pdo_check_count(const ods_node_t *node, uint32_t instance, uint32_t count)
 {
     if (count > node->od->max_mapped) {
         return ODS_ABORT_PDO_LENGTH;
     }
-    return check_entries(node, target->ref.instance, count, count, 0);
+    return check_entries(node, instance, count, count, 0);
 }
 
-uint32_t ods_pdo_check_mapping(const ods_node_t *node, const ods_target_t *target, uint32_t mapping)
+uint32_t ods_pdo_check_mapping(const ods_node_t *node, uint32_t instance, uint32_t sub, uint32_t mapping)
 {
-    const uint32_t count = pdo_of(node, target->ref.instance)->values->pdo_mapped_count;
+    const uint32_t count = pdo_of(node, instance)->values->pdo_mapped_count;
     ods_od_ref_t ref;
-    if (target->sub <= count) { /* in force, which manufacturer mode allows */
-        return check_entries(node, target->ref.instance, count, target->sub - 1u, mapping);
+    if (sub <= count) { /* in force, which manufacturer mode allows */
+        return check_entries(node, instance, count, sub - 1u, mapping);
     }
-    return (mapping == 0u) ? 0u : resolve(node, mapping, direction_of(node, target->ref.instance), &ref);
+    return (mapping == 0u) ? 0u : resolve(node, mapping, direction_of(node, instance), &ref);
 }
 
 /* ---- coming into force ------------------------------------------------------------------------------------------- */
@@ -378,11 +379,11 @@ ODS_RARE static uint32_t write_bits(ods_node_t *node, const ods_pdo_common_t *pd
     uint32_t bit = 0;
     for (uint32_t n = 0; (n < pdo->mapped) && (abort == 0u); n++) {
         const uint32_t bits = mapping[n] & 0xFFu;
-        ods_target_t target = { { NULL, 0 }, 0, 0 };
+        ods_od_ref_t ref = { NULL, 0 };
         uint8_t octets[8] = { 0 };
-        (void)resolve(node, mapping[n], ODS_RX, &target.ref);
+        (void)resolve(node, mapping[n], ODS_RX, &ref);
         copy_bits(octets, 0, data, bit, bits);
-        abort = ods_access_write(node, &target, octets, (uint16_t)((bits + 7u) / 8u));
+        abort = ods_access_write(node, &ref, octets, (uint16_t)((bits + 7u) / 8u));
         bit += bits;
     }
     return abort;
@@ -410,16 +411,11 @@ static uint32_t write_octets(ods_node_t *node, const ods_pdo_common_t *pdo, cons
     const ods_pdo_ref_t *ref = pdo->refs;
     uint32_t left = pdo->mapped;
     uint32_t abort;
-    ods_target_t target;
-    target.index = 0;
-    target.sub = 0;
     do {
         const uint8_t *const from = &data[ref->place & 7u];
         const uint32_t size = (uint32_t)ref->place >> 4;
         const uint32_t number = (size == 0u) ? from[0] : ((size == 1u) ? ods_get_16(from) : ods_get_32(from));
-        target.ref.entry = &node->od->entries[ref->at];
-        target.ref.instance = ref->instance;
-        abort = ods_access_write_number(node, &target, number);
+        abort = ods_access_write_number(node, &node->od->entries[ref->at], ref->instance, number);
         ref++;
     } while ((--left != 0u) && (abort == 0u));
     return abort;

@@ -7,14 +7,14 @@
 #ifndef ODS_PDO_H
 #define ODS_PDO_H
 
-#include "ods_access.h"
+#include "ods/node.h"
 
 /* ---- parameters: 0 or an abort code ------------------------------------------------------------------------------ */
 
-uint32_t ods_pdo_mapping_state(const ods_node_t *node, const ods_target_t *target);
-uint32_t ods_pdo_check_cob_id(const ods_node_t *node, const ods_target_t *target, uint32_t cob_id);
-uint32_t ods_pdo_check_count(const ods_node_t *node, const ods_target_t *target, uint32_t count);
-uint32_t ods_pdo_check_mapping(const ods_node_t *node, const ods_target_t *target, uint32_t mapping);
+uint32_t ods_pdo_mapping_state(const ods_node_t *node, uint32_t instance, uint32_t sub);
+uint32_t ods_pdo_check_cob_id(const ods_node_t *node, uint32_t instance, uint32_t cob_id);
+uint32_t ods_pdo_check_count(const ods_node_t *node, uint32_t instance, uint32_t count);
+uint32_t ods_pdo_check_mapping(const ods_node_t *node, uint32_t instance, uint32_t sub, uint32_t mapping);
 
 /* The COB-ID of a PDO was written: it starts, stops or goes on. */
 void ods_pdo_cob_id_written(ods_node_t *node, uint32_t instance);

@@ -35,6 +35,18 @@ enum {
     DOWNLOAD
 };
 
+/* An entry and how it is called on the bus. */
+typedef struct {
+    ods_od_ref_t ref;
+    uint16_t index;
+    uint8_t sub;
+} target_t;
+
+static uint32_t address_of(const target_t *target)
+{
+    return target->index | (uint32_t)target->sub << 16;
+}
+
 void ods_sdo_abandon(ods_node_t *node)
 {
     node->sdo.phase = IDLE;
@@ -50,7 +62,7 @@ static void answer(const ods_node_t *node, ods_frame_t *frame)
 }
 
 /* An answer to an initiate, with 4 octets of data. */
-static void answer_initiate(const ods_node_t *node, uint32_t command, const ods_target_t *target, uint32_t data)
+static void answer_initiate(const ods_node_t *node, uint32_t command, const target_t *target, uint32_t data)
 {
     ods_frame_t frame;
     frame.data[0] = (uint8_t)command;
@@ -62,7 +74,7 @@ static void answer_initiate(const ods_node_t *node, uint32_t command, const ods_
 }
 
 /* Refuse a request. Whatever transfer goes on ends with it. */
-static void abort_with(ods_node_t *node, const ods_target_t *target, uint32_t code)
+static void abort_with(ods_node_t *node, const target_t *target, uint32_t code)
 {
     ods_sdo_abandon(node);
     answer_initiate(node, ABORT_TRANSFER, target, code);
@@ -71,11 +83,11 @@ static void abort_with(ods_node_t *node, const ods_target_t *target, uint32_t co
 /* Abort the transfer that goes on; without one, the address in the frame is that of the last one. */
 static void abort_transfer(ods_node_t *node, uint32_t code)
 {
-    const ods_target_t target = { node->sdo.ref, node->sdo.index, node->sdo.sub };
+    const target_t target = { node->sdo.ref, node->sdo.index, node->sdo.sub };
     abort_with(node, &target, code);
 }
 
-static void begin(ods_node_t *node, const ods_target_t *target, uint8_t phase, uint16_t length)
+static void begin(ods_node_t *node, const target_t *target, uint8_t phase, uint16_t length)
 {
     ods_sdo_t *const sdo = &node->sdo;
     sdo->ref = target->ref;
@@ -94,7 +106,7 @@ static void begin(ods_node_t *node, const ods_target_t *target, uint8_t phase, u
  * An upload is a snapshot: what may change is copied before the first segment leaves. Up to 4 octets need none, they
  * leave at once.
  */
-static void upload_octets(ods_node_t *node, const ods_target_t *target)
+static void upload_octets(ods_node_t *node, const target_t *target)
 {
     uint8_t number[8];
     uint16_t length;
@@ -117,7 +129,7 @@ static void upload_octets(ods_node_t *node, const ods_target_t *target)
     answer_initiate(node, SERVER_UPLOAD | SIZED, target, length);
 }
 
-static void upload(ods_node_t *node, const ods_target_t *target)
+static void upload(ods_node_t *node, const target_t *target)
 {
     const uint32_t abort = ods_access_readable(node, &target->ref);
     if (abort != 0u) {
@@ -149,21 +161,22 @@ static void upload_segment(ods_node_t *node)
 
 /* ---- download ---------------------------------------------------------------------------------------------------- */
 
-static void download_expedited(ods_node_t *node, const ods_target_t *target, const ods_frame_t *frame)
+static void download_expedited(ods_node_t *node, const target_t *target, const ods_frame_t *frame)
 {
     const ods_od_entry_t *const entry = target->ref.entry;
     const uint32_t command = frame->data[0];
     /* Without a size the type says how much of the frame is meant. */
     const uint32_t room = ods_od_room(node->od, entry);
     const uint32_t length = ((command & SIZED) != 0u) ? 4u - ((command >> 2) & 3u) : ((room < 4u) ? room : 4u);
+    node->sdo.address = address_of(target);
     uint32_t abort = (length == room) ? 0u : ods_access_length(node, entry, length);
 
     if (abort == 0u) {
         if (ods_od_is_number(entry->kind)) {
             const uint32_t number = ods_get_32(&frame->data[4]) & (0xFFFFFFFFu >> (8u * (4u - length)));
-            abort = ods_access_write_number(node, target, number);
+            abort = ods_access_write_number(node, entry, target->ref.instance, number);
         } else {
-            abort = ods_access_write(node, target, &frame->data[4], (uint16_t)length);
+            abort = ods_access_write(node, &target->ref, &frame->data[4], (uint16_t)length);
         }
     }
     if (abort == 0u) {
@@ -173,7 +186,7 @@ static void download_expedited(ods_node_t *node, const ods_target_t *target, con
     }
 }
 
-static void download(ods_node_t *node, const ods_target_t *target, const ods_frame_t *frame)
+static void download(ods_node_t *node, const target_t *target, const ods_frame_t *frame)
 {
     const ods_od_entry_t *const entry = target->ref.entry;
     if (entry->rule == 0u) {
@@ -200,12 +213,13 @@ static void download(ods_node_t *node, const ods_target_t *target, const ods_fra
 /* The last segment is in: the value is complete. */
 static uint32_t finish_download(ods_node_t *node, uint32_t length)
 {
-    const ods_target_t target = { node->sdo.ref, node->sdo.index, node->sdo.sub };
+    const target_t target = { node->sdo.ref, node->sdo.index, node->sdo.sub };
     uint32_t abort = ods_access_length(node, target.ref.entry, length);
     if ((abort == 0u) && (node->sdo.sized != 0u) && (length != node->sdo.length)) {
         abort = ODS_ABORT_TOO_SHORT;
     }
-    return (abort != 0u) ? abort : ods_access_write(node, &target, node->buffer, (uint16_t)length);
+    node->sdo.address = address_of(&target);
+    return (abort != 0u) ? abort : ods_access_write(node, &target.ref, node->buffer, (uint16_t)length);
 }
 
 static void download_segment(ods_node_t *node, const ods_frame_t *frame)
@@ -257,7 +271,7 @@ ODS_RARE static void serve(ods_node_t *node, const ods_frame_t *frame)
 {
     const uint32_t specifier = (uint32_t)frame->data[0] >> 5;
     if ((specifier == CLIENT_UPLOAD) || (specifier == CLIENT_DOWNLOAD)) {
-        ods_target_t target;
+        target_t target;
         target.index = (uint16_t)ods_get_16(&frame->data[1]);
         target.sub = frame->data[3];
         if (node->sdo.phase != (uint8_t)IDLE) {
@@ -278,7 +292,7 @@ ODS_RARE static void serve(ods_node_t *node, const ods_frame_t *frame)
     } else if (specifier == CLIENT_ABORT) {
         ods_sdo_abandon(node);
     } else {
-        const ods_target_t target = { { NULL, 0 }, (uint16_t)ods_get_16(&frame->data[1]), frame->data[3] };
+        const target_t target = { { NULL, 0 }, (uint16_t)ods_get_16(&frame->data[1]), frame->data[3] };
         abort_with(node, &target, ODS_ABORT_COMMAND);
     }
 }
@@ -309,10 +323,8 @@ static uint32_t download_command(uint32_t kind)
 ODS_RARE static void download_number(
     ods_node_t *node, const ods_frame_t *frame, const ods_od_entry_t *entry, uint32_t instance)
 {
-    const uint32_t unused = 32u - (8u << (entry->kind & 3u));
-    const ods_target_t target = { { entry, instance }, (uint16_t)ods_get_16(&frame->data[1]), frame->data[3] };
-    const uint32_t number = (ods_get_32(&frame->data[4]) << unused) >> unused;
-    const uint32_t abort = ods_access_write_number(node, &target, number);
+    node->sdo.address = ods_get_32(&frame->data[0]) >> 8;
+    const uint32_t abort = ods_access_write_number(node, entry, instance, ods_get_32(&frame->data[4]));
     echo(node, frame, (abort == 0u) ? SERVER_DOWNLOAD : ABORT_TRANSFER, abort);
 }
 

@@ -187,9 +187,9 @@ static void load_value(ods_node_t *node, tape_t *tape, const ods_od_ref_t *ref, 
 
     if (is_plain) {
         const uint32_t number = read_number(tape, size);
-        const int in_range = (rule->intervals == 0u) || (ods_od_check(od, ref->entry, rule, number) == 0u);
+        const int in_range = (ods_od_check(od, ref->entry, rule, number) == 0u);
         if (wanted && in_range && !tape->failed) {
-            ods_od_set_number(od, node->values, ref, number);
+            ods_od_set_number(od, node->values, ref->entry, ref->instance, number);
         }
         return;
     }

@@ -53,7 +53,20 @@ def build_testee(device: Device, vocabulary: Vocabulary, build: Build, folder: P
 
     Sanitizers watch it where the compiler has them.
     """
-    runtime = _once(folder, "runtime", (vocabulary.digest, build), lambda home: _build_runtime(vocabulary, build, home))
+    return _build(device, vocabulary, build, folder, watched=True)
+
+
+def build_library(device: Device, vocabulary: Vocabulary, build: Build, folder: Path) -> Path:
+    """The same as a shared library: quick, for nothing watches it, nor counts what it executes."""
+    return _build(device, vocabulary, build, folder, watched=False)
+
+
+def _build(device: Device, vocabulary: Vocabulary, build: Build, folder: Path, *, watched: bool) -> Path:
+    def make_runtime(home: Path) -> None:
+        """The objects of the runtime, which knows no device."""
+        write(CBackend().render(vocabulary), home)
+        sources = sorted((RUNTIME / "src").glob("*.c"))
+        _compile(build, home, watched, f"-I{home / 'cia' / 'c'}", "-c", *map(str, sources))
 
     def make(home: Path) -> None:
         name = device.identifier
@@ -63,20 +76,17 @@ def build_testee(device: Device, vocabulary: Vocabulary, build: Build, folder: P
         _compile(
             build,
             home,
+            watched,
             *(f"-I{place}" for place in (runtime / "cia" / "c", home / name / "c", home)),
             *(f'-DDEVICE_HEADER="{name}.h"', f"-DDEVICE_TYPE={name}_t", f"-DDEVICE_INIT={name}_init"),
             *map(str, sources),
-            *("-o", "testee"),
+            *("-o", product),
+            *(() if watched else ("-shared",)),
         )
 
-    return _once(folder, "testee", (device.identifier, device.digest, runtime), make) / "testee"
-
-
-def _build_runtime(vocabulary: Vocabulary, build: Build, home: Path) -> None:
-    """The objects of the runtime, which knows no device."""
-    write(CBackend().render(vocabulary), home)
-    sources = sorted((RUNTIME / "src").glob("*.c"))
-    _compile(build, home, f"-I{home / 'cia' / 'c'}", "-c", *map(str, sources))
+    product = "testee" if watched else "testee.so"
+    runtime = _once(folder, "runtime", (vocabulary.digest, build, watched), make_runtime)
+    return _once(folder, "testee", (device.identifier, device.digest, runtime), make) / product
 
 
 def _condition_names(vocabulary: Vocabulary) -> Iterator[str]:
@@ -84,11 +94,15 @@ def _condition_names(vocabulary: Vocabulary) -> Iterator[str]:
         yield f'[ODS_CONDITION_{name.upper()}] = "{name}",\n'
 
 
-def _compile(build: Build, home: Path, *arguments: str) -> None:
-    watch: tuple[str, ...] = SANITIZERS if build.links(home, *SANITIZERS) else ()
-    if COVERAGE:
-        watch = ("--coverage", "-O0")
-    run([*build.command, "-std=c99", "-O1", *WARNINGS, *watch, f"-I{RUNTIME / 'include'}", *arguments], home)
+def _compile(build: Build, home: Path, watched: bool, *arguments: str) -> None:
+    kind: tuple[str, ...]
+    if not watched:
+        kind = ("-O2", "-fPIC")
+    elif COVERAGE:
+        kind = ("-O0", "--coverage")
+    else:
+        kind = ("-O1", *(SANITIZERS if build.links(home, *SANITIZERS) else ()))
+    run([*build.command, "-std=c99", *kind, *WARNINGS, f"-I{RUNTIME / 'include'}", *arguments], home)
 
 
 def _once(folder: Path, name: str, key: object, make: Callable[[Path], None]) -> Path:

@@ -1,120 +1,361 @@
-"""Lines for testees, drawn by hypothesis: likely ones, and ones that nobody would send."""
+"""Lines for testees, drawn by hypothesis: likely ones, and ones that nobody would send.
+
+Each strategy gives the lines of one thing that happens: a frame, a whole SDO transfer, the configuration of a PDO.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
+from typing import TypeVar
+
 from hypothesis import strategies as st
+from tests.cross import expected
 
-from odsmith.canopen_types import PdoDirection
-from odsmith.model import Device
+from odsmith.canopen_types import DataType, PdoDirection
+from odsmith.model import Device, Entry
 
-Lines = st.SearchStrategy[str]
+Lines = list[str]
+Address = tuple[int, int]
+"""Index and sub-index."""
 
-SIGNATURES = (0x65766173, 0x64616F6C, 0x656B616D, 0x6C6C696B)
+T = TypeVar("T")
+Event = st.SearchStrategy[Lines]
+
+SAVE, LOAD = 0x65766173, 0x64616F6C
+SIGNATURES = (SAVE, LOAD, 0x656B616D, 0x6C6C696B)
 """save, load, make, kill"""
 
+NOT_VALID = 1 << 31
+"""The bit of a COB-ID that switches its object off."""
 
-def _rx(can_id: int, data: bytes) -> str:
-    return " ".join([f"RX {can_id:03X}", *(f"{octet:02X}" for octet in data)])
+CAN_EVENTS = ("ok", "warning", "passive", "busoff", "error", "overrun", "rxfull", "txfull")
 
-
-def _addresses(device: Device) -> st.SearchStrategy[tuple[int, int]]:
-    """Mostly entries that are there; the communication profile more often than its share."""
-    entries = [(item.index, item.entry.sub) for obj in device.expanded for item in obj.entries]
-    communication = [address for address in entries if 0x1000 <= address[0] < 0x2000]
-    anywhere = st.tuples(st.integers(0, 0xFFFF), st.integers(0, 255))
-    return st.one_of(st.sampled_from(communication), st.sampled_from(entries), anywhere)
+TIME_OUT = 1_000_000
+"""Microseconds after which the SDO server gives a transfer up."""
 
 
-def _mappings(device: Device) -> st.SearchStrategy[int]:
-    """PDO mapping entries that may be in order."""
-    mappable = [
-        item.index << 16 | item.entry.sub << 8 | item.entry.bit_length
-        for obj in device.expanded
-        for item in obj.entries
-        if item.entry.mapping is not PdoDirection.NO
-    ]
-    return st.sampled_from(mappable or [0])
+def rx(can_id: int, data: Iterable[int]) -> str:
+    return " ".join([f"RX {can_id & 0x7FF:03X}", *(f"{octet & 0xFF:02X}" for octet in data)])
 
 
-def _values(device: Device) -> st.SearchStrategy[int]:
-    can_ids = st.sampled_from([0x80, 0x181, 0x185, 0x201, 0x205, 0x301, 0x401, 0x581])
-    cob_ids = st.builds(lambda can_id, bits: can_id | bits << 30, can_ids, st.integers(0, 3))
-    watched = st.builds(lambda node_id, time: node_id << 16 | time, st.integers(0, 130), st.integers(0, 20))
-    small = st.integers(0, 12)
-    return st.one_of(
-        small, small, cob_ids, watched, _mappings(device), st.sampled_from(SIGNATURES), st.integers(0, 0xFFFFFFFF)
-    )
+def octets(value: int, size: int) -> bytes:
+    """The lowest octets of a number."""
+    return (value & (1 << 8 * size) - 1).to_bytes(size, "little")
 
 
-def _sdo(device: Device, node_id: int) -> Lines:
-    def initiate(command: int, address: tuple[int, int], value: int) -> str:
-        index, sub = address
-        data = bytes([command]) + index.to_bytes(2, "little") + bytes([sub]) + value.to_bytes(4, "little")
-        return _rx(0x600 + node_id, data)
-
-    usual = st.sampled_from([0x40, 0x40, 0x23, 0x2B, 0x2F, 0x22, 0x21, 0x20])
-    initiates = st.builds(initiate, st.one_of(usual, st.integers(0, 255)), _addresses(device), _values(device))
-    segment_commands = st.sampled_from([0x60, 0x70, 0x00, 0x10, 0x01, 0x11, 0x80, 0x0F, 0x1F])
-    segments = st.builds(
-        lambda command, octets: _rx(0x600 + node_id, bytes([command]) + octets),
-        segment_commands,
-        st.binary(min_size=7, max_size=7),
-    )
-    return st.one_of(initiates, initiates, segments)
+def download(node_id: int, index: int, sub: int, value: bytes, *, segmented: bool = False) -> Lines:
+    """The frames of a client that writes an entry, and expects no abort."""
+    address = [index & 0xFF, index >> 8, sub]
+    if 0 < len(value) <= 4 and not segmented:
+        return [rx(0x600 + node_id, [0x23 | 4 - len(value) << 2, *address, *value.ljust(4, b"\0")])]
+    lines = [rx(0x600 + node_id, [0x21, *address, *octets(len(value), 4)])]
+    for number, at in enumerate(range(0, max(len(value), 1), 7)):
+        part = value[at : at + 7]
+        command = (number & 1) << 4 | 7 - len(part) << 1 | (at + 7 >= len(value))
+        lines.append(rx(0x600 + node_id, [command, *part.ljust(7, b"\0")]))
+    return lines
 
 
-def _frames(node_id: int) -> Lines:
-    nmt = st.builds(
-        lambda command, to: _rx(0, bytes([command, to])),
-        st.sampled_from([1, 2, 128, 129, 130, 3]),
-        st.sampled_from([0, node_id, node_id + 1]),
-    )
-    rpdo_ids = st.sampled_from([0x200 + node_id, 0x300 + node_id, 0x400 + node_id, 0x500 + node_id, 0x201, 0x205])
-    rpdos = st.builds(_rx, rpdo_ids, st.binary(max_size=8))
-    syncs = st.builds(_rx, st.just(0x80), st.sampled_from([b"", b"\x01"]))
-    heartbeats = st.builds(
-        lambda other, state: _rx(0x700 + other, bytes([state])), st.integers(1, 127), st.sampled_from([0, 4, 5, 127])
-    )
-    guarding = st.just(f"RX {0x700 + node_id:03X} R")
-    anything = st.builds(_rx, st.integers(0, 0x7FF), st.binary(max_size=8))
-    return st.one_of(nmt, rpdos, rpdos, syncs, heartbeats, guarding, anything)
+def upload(node_id: int, index: int, sub: int, segments: int) -> Lines:
+    """The frames of a client that reads an entry, and believes that it comes in so many segments."""
+    toggles = [0x60 | (number & 1) << 4 for number in range(segments)]
+    requests = [[0x40, index & 0xFF, index >> 8, sub, 0, 0, 0, 0], *([toggle, *bytes(7)] for toggle in toggles)]
+    return [rx(0x600 + node_id, request) for request in requests]
 
 
-def _bench(device: Device) -> Lines:
-    """What happens to a device beside frames."""
-    inputs = st.builds(
-        "IN {} {}".format,
-        st.sampled_from(["digital", "analog0", "analog3", "address", "enable"]),
-        st.sampled_from([0, 0, 1, 5, 255]),
-    )
-    can = st.sampled_from(["ok", "ok", "warning", "passive", "busoff", "error", "overrun", "rxfull", "txfull"])
-    memory = st.sampled_from(["NVM ok", "NVM ok", "NVM fail", "OS none", "OS 1 01 02", "OS 2"])
-    cuts = st.builds("POWER cut {}".format, st.integers(1, 3000))
-    powers = st.sampled_from(["POWER on", "POWER cut"])
-    choices = [inputs, st.builds("CAN {}".format, can), memory, cuts, powers]
-    if device.axes:
-        conditions = [condition.name for condition in device.conditions.values() if condition.scope == "axis"]
-        choices.append(
-            st.builds(
-                "FAULT axis{} {} {}".format,
-                st.integers(0, device.axes - 1),
-                st.sampled_from(conditions),
-                st.sampled_from(["on", "off"]),
-            )
+def _mostly(usual: st.SearchStrategy[T], seldom: st.SearchStrategy[T]) -> st.SearchStrategy[T]:
+    """One in eight is of the seldom ones. (`one_of` leaves out what it is given twice.)"""
+    return st.integers(0, 7).flatmap(lambda number: seldom if number == 7 else usual)
+
+
+class Events:
+    """What may happen to a device that answers to `node_id`."""
+
+    def __init__(self, device: Device, node_id: int) -> None:
+        self.device = device
+        self.node_id = node_id
+        self._entries: dict[Address, Entry] = {
+            (item.index, item.entry.sub): item.entry for item in expected.entries(device)
+        }
+        self._indices = [obj.index for obj in device.expanded]
+
+        self.nmt = self._nmt()
+        self.sdo_frame = self._sdo_frame()
+        self.frame = self._frame()
+        self.read = self._read()
+        self.write = self._write()
+        self.pdo = self._pdo()
+        self.store = self._store()
+        self.time = self._time()
+        self.bench = self._bench()
+        self.power = st.sampled_from([["POWER cut"], ["POWER on"]])
+        self.cut = st.one_of(st.integers(1, 40), st.integers(1, 3000)).map(lambda writes: [f"POWER cut {writes}"])
+        self.disturbed = st.one_of(self.read, self.write, self.pdo, self.store).flatmap(self._disturb)
+
+        self.lively = st.one_of(
+            self.sdo_frame,
+            self.frame,
+            self.time,
+            self.read,
+            self.write,
+            self.pdo,
+            self.store,
+            self.disturbed,
+            self.nmt,
+            self.bench,
         )
-    return st.one_of(choices)
+        """All but what takes the power away, which nothing survives that comes later."""
+
+        self.anything = _mostly(self.lively, st.one_of(self.cut, self.power))
+
+    # ---- words -------------------------------------------------------------------------------------------------------
+
+    def _some(self, wanted: Callable[[Entry], bool]) -> st.SearchStrategy[Address]:
+        """Entries; the communication profile more often than its share."""
+        addresses = [address for address, entry in self._entries.items() if wanted(entry)]
+        communication = [address for address in addresses if 0x1000 <= address[0] < 0x2000]
+        return st.one_of([st.sampled_from(choices) for choices in (communication, addresses) if choices])
+
+    def _addresses(self) -> st.SearchStrategy[Address]:
+        """Mostly those of entries that are there."""
+        beside = st.tuples(st.sampled_from(self._indices), st.integers(0, 255))
+        anywhere = st.tuples(st.integers(0, 0xFFFF), st.integers(0, 255))
+        return st.one_of(self._some(lambda entry: True), beside, anywhere)
+
+    def _mappings(self, allowed: Callable[[PdoDirection], bool]) -> st.SearchStrategy[int]:
+        """PDO mapping entries: most are in order."""
+        mappable = [
+            index << 16 | sub << 8 | entry.bit_length
+            for (index, sub), entry in self._entries.items()
+            if allowed(entry.mapping)
+        ]
+        wrong = st.builds(
+            lambda address, bits: address[0] << 16 | address[1] << 8 | bits,
+            st.sampled_from(list(self._entries)),
+            st.sampled_from([0, 1, 8, 16, 32, 64]),
+        )
+        return _mostly(st.sampled_from(mappable), wrong) if mappable else wrong
+
+    def _cob_ids(self) -> st.SearchStrategy[int]:
+        can_ids = [0x80, 0x181, 0x185, 0x201, 0x205, 0x301, 0x401, 0x581, 0x700]
+        own = [base + self.node_id for base in (0x80, 0x180, 0x200, 0x300, 0x600)]
+        return st.builds(
+            lambda can_id, bits: can_id | bits << 30, st.sampled_from([*can_ids, *own]), st.sampled_from([0, 0, 1, 2])
+        )
+
+    def _values(self) -> st.SearchStrategy[int]:
+        watched = st.builds(lambda node_id, time: node_id << 16 | time, st.integers(0, 130), st.integers(0, 20))
+        small = st.integers(0, 12)
+        mappings = self._mappings(lambda direction: direction is not PdoDirection.NO)
+        return st.one_of(
+            small, self._cob_ids(), watched, mappings, st.sampled_from(SIGNATURES), st.integers(0, 0xFFFFFFFF)
+        )
+
+    def _fitting(self, entry: Entry) -> st.SearchStrategy[bytes]:
+        """Values of an entry: allowed ones, those at the limits and beside them, and of another length."""
+        size = expected.size(entry)
+        if not entry.type.integer:
+            return st.binary(max_size=size + 1)
+        values = self._values()
+        if entry.allowed:
+            limits = {limit for interval in entry.allowed.intervals for limit in interval}
+            beside = sorted({limit + step for limit in limits for step in (-1, 0, 1)})
+            values = st.one_of(st.sampled_from(beside), st.integers(entry.allowed.low, entry.allowed.high), values)
+        sizes = st.sampled_from([size] * 12 + [size + 1, max(size - 1, 1)])
+        return st.builds(octets, values, sizes)
+
+    # ---- events ------------------------------------------------------------------------------------------------------
+
+    def _nmt(self) -> Event:
+        return st.builds(
+            lambda command, to: [rx(0, [command, to])],
+            st.sampled_from([1, 1, 1, 2, 128, 129, 130, 3]),
+            st.sampled_from([0, self.node_id, self.node_id, self.node_id + 1]),
+        )
+
+    def _sdo_frame(self) -> Event:
+        """One frame to the SDO server, whatever it expects."""
+
+        def initiate(command: int, address: tuple[int, int], value: int) -> Lines:
+            data = [command, address[0] & 0xFF, address[0] >> 8, address[1], *octets(value, 4)]
+            return [rx(0x600 + self.node_id, data)]
+
+        usual = st.sampled_from([0x40, 0x40, 0x23, 0x2B, 0x2F, 0x22, 0x21, 0x20])
+        segment = st.sampled_from([0x60, 0x70, 0x00, 0x10, 0x01, 0x11, 0x80, 0x0F, 0x1F])
+        segments = st.builds(
+            lambda command, rest: [rx(0x600 + self.node_id, [command, *rest])],
+            segment,
+            st.binary(min_size=6, max_size=7),
+        )
+        initiates = st.builds(initiate, st.one_of(usual, st.integers(0, 255)), self._addresses(), self._values())
+        return st.one_of(initiates, segments)
+
+    def _frame(self) -> Event:
+        """One frame that is none for the SDO server; most are for somebody."""
+        own = [base + self.node_id for base in (0x200, 0x300, 0x400, 0x500)]
+        rpdos = st.builds(rx, st.sampled_from([*own, 0x201, 0x205, 0x301]), st.binary(max_size=8))
+        syncs = st.sampled_from([rx(0x80, b""), rx(0x80, b"\x01")])
+        heartbeats = st.builds(
+            lambda other, state: rx(0x700 + other, [state]), st.integers(1, 127), st.sampled_from([0, 4, 5, 127])
+        )
+        remotes = st.builds(
+            "RX {:X} R {}".format,
+            st.sampled_from([0x700 + self.node_id, 0x180 + self.node_id, 0x80]),
+            st.integers(0, 8),
+        )
+        anything = st.builds(rx, st.integers(0, 0x7FF), st.binary(max_size=8))
+        return st.one_of(rpdos, syncs, heartbeats, remotes, anything).map(lambda line: [line])
+
+    def _read(self) -> Event:
+        """A whole upload; now and then a segment more or less."""
+        addresses = self._addresses()
+        if any(entry.type is DataType.VISIBLE_STRING for entry in self._entries.values()):
+            addresses = st.one_of(addresses, self._some(lambda entry: entry.type is DataType.VISIBLE_STRING))
+        return st.builds(
+            lambda address, segments: upload(self.node_id, address[0], address[1], segments),
+            addresses,
+            st.integers(0, 4),
+        )
+
+    def _write(self) -> Event:
+        """A whole download, expedited or in segments."""
+
+        def to(address: Address) -> Event:
+            return st.builds(
+                lambda value, segmented: download(self.node_id, *address, value, segmented=segmented),
+                self._fitting(self._entries[address]),
+                st.sampled_from([False, False, True]),
+            )
+
+        return self._some(lambda entry: entry.access.writable).flatmap(to)
+
+    def _pdo(self) -> Event:
+        """A PDO is configured as CiA 301 has it: invalid, emptied, mapped, counted, valid again."""
+
+        def configure(record: int, cob_id: int, type: int, times: tuple[int, int], entries: Sequence[int]) -> Lines:
+            mapping = record + 0x200
+            writes = [
+                (record, 1, cob_id | NOT_VALID, 4),
+                (mapping, 0, 0, 1),
+                *((mapping, sub, entry, 4) for sub, entry in enumerate(entries, start=1)),
+                (mapping, 0, len(entries), 1),
+                (record, 2, type, 1),
+                *((record, sub, time, 2) for sub, time in zip((3, 5), times, strict=True) if time),
+                (record, 1, cob_id, 4),
+            ]
+            return [
+                line
+                for index, sub, value, size in writes
+                for line in download(self.node_id, index, sub, octets(value, size))
+            ]
+
+        def of(record: int) -> Event:
+            sent = record >= 0x1800
+            own = record % 0x40 % 4 * 0x100 + (0x180 if sent else 0x200) + self.node_id
+            return st.builds(
+                configure,
+                st.just(record),
+                st.one_of(st.just(own), st.sampled_from([own, 0x181, 0x201, 0x205, 0x301])),
+                st.sampled_from([0, 1, 2, 3, 240, 0xFE, 0xFF, 0xFF]),
+                st.tuples(st.sampled_from([0, 0, 1, 7, 100]), st.sampled_from([0, 0, 1, 5, 1000])),
+                st.lists(transmittable if sent else receivable, max_size=4),
+            )
+
+        receivable = self._mappings(lambda direction: direction.receivable)
+        transmittable = self._mappings(lambda direction: direction.transmittable)
+        records = [index for index in self._indices if 0x1400 <= index < 0x1600 or 0x1800 <= index < 0x1A00]
+        return st.sampled_from(records).flatmap(of) if records else self.write
+
+    def _store(self) -> Event:
+        """Values are stored or restored; then the device may be reset, or power lost in the middle."""
+        places = [
+            (index, sub, signature)
+            for index, signature in ((0x1010, SAVE), (0x1010, SAVE), (0x1011, LOAD))
+            for sub in range(1, 11)
+            if (index, sub) in self._entries
+        ]
+        if not places:
+            return self.write
+        resets = [[], [], [rx(0, [0x81, 0])], [rx(0, [0x82, 0])], ["POWER cut", "POWER on"]]
+        write = st.sampled_from(places).map(
+            lambda place: download(self.node_id, place[0], place[1], octets(place[2], 4))
+        )
+        return st.builds(lambda first, then: [*first, *then], write, st.sampled_from(resets))
+
+    def _time(self) -> Event:
+        steps = st.one_of(
+            st.sampled_from([1, 100, 500, 999, 1000, 1001, 5000, 100_000, 1_000_000]),
+            st.integers(0, 20_000),
+            st.integers(0, 1 << 21),
+        )
+        return steps.map(lambda step: [f"T {step}"])
+
+    def _bench(self) -> Event:
+        """What happens to a device beside frames, time and power."""
+        inputs = st.builds(
+            "IN {} {}".format,
+            st.sampled_from(["digital", "analog0", "analog3", "address", "enable"]),
+            st.sampled_from([0, 0, 1, 5, 255]),
+        )
+        can = st.sampled_from(CAN_EVENTS).map("CAN {}".format)
+        memory = st.sampled_from(["NVM ok", "NVM ok", "NVM fail"])
+        commands = st.sampled_from(["OS none", "OS 0", "OS 1 01 02", "OS 2", "OS 3 FF"])
+        choices = [inputs, can, memory, commands]
+        if self.device.axes:
+            conditions = [name for name, condition in self.device.conditions.items() if condition.scope == "axis"]
+            faults = st.builds(
+                "FAULT axis{} {} {}".format,
+                st.integers(0, self.device.axes - 1),
+                st.sampled_from(conditions),
+                st.sampled_from(["on", "on", "off"]),
+            )
+            choices.append(faults)
+        return st.one_of(choices).map(lambda line: [line])
+
+    def _disturb(self, lines: Lines) -> Event:
+        """The same, but broken off, with a frame lost, sent twice or damaged, or with something in between."""
+        between = st.one_of(st.just([f"T {TIME_OUT}"]), self.nmt, self.sdo_frame, self.frame)
+        at = st.integers(0, len(lines) - 1)
+        return st.one_of(
+            at.map(lambda at: lines[:at]),
+            at.map(lambda at: [*lines[:at], *lines[at + 1 :]]),
+            at.map(lambda at: [*lines[: at + 1], *lines[at:]]),
+            st.builds(lambda at, more: [*lines[: at + 1], *more, *lines[at + 1 :]], at, between),
+            st.builds(
+                lambda at, where, flipped: [*lines[:at], _damage(lines[at], where, flipped), *lines[at + 1 :]],
+                at,
+                st.integers(0, 8),
+                st.integers(1, 255),
+            ),
+        )
 
 
-def _time() -> Lines:
-    steps = st.one_of(
-        st.sampled_from([1, 100, 500, 999, 1000, 1001, 5000, 100_000, 1_000_000]),
-        st.integers(0, 20_000),
-        st.integers(0, 1 << 23),
-    )
-    return st.builds("T {}".format, steps)
+def _damage(line: str, at: int, flipped: int) -> str:
+    """A frame with other bits in one of its octets, or without the last one."""
+    word, can_id, *data = line.split(" ")
+    if word != "RX" or can_id == "000":
+        return line
+    if at < len(data):
+        data[at] = f"{int(data[at], 16) ^ flipped:02X}"
+    else:
+        data = data[:-1]
+    return " ".join([word, can_id, *data])
 
 
-def dialogues(device: Device, node_id: int) -> st.SearchStrategy[list[str]]:
+_made: dict[tuple[str, int], Events] = {}
+
+
+def events_of(device: Device, node_id: int) -> Events:
+    """Made once, for strategies are slow to make."""
+    key = (device.digest, node_id)
+    if key not in _made:
+        _made[key] = Events(device, node_id)
+    return _made[key]
+
+
+def dialogues(device: Device, node_id: int) -> st.SearchStrategy[Lines]:
     """Lines from power-on to a dump of everything."""
-    line = st.one_of(_sdo(device, node_id), _sdo(device, node_id), _frames(node_id), _time(), _bench(device))
-    return st.lists(line, min_size=5, max_size=40).map(lambda lines: ["POWER on", *lines, "DUMP 0000-FFFF", "NVM"])
+    happening = st.lists(events_of(device, node_id).anything, min_size=5, max_size=40)
+    return happening.map(
+        lambda groups: ["POWER on", *(line for group in groups for line in group), "DUMP 0000-FFFF", "NVM"]
+    )

@@ -1,13 +1,15 @@
 """The C testee and the Python testee are one device: on the same lines they give the same text.
 
-Scenarios are played once as they are and once with a clock that is about to wrap; hypothesis writes more. Differences
-that are known stand in `known_differences.yaml`, by the name of the scenario: it has to be empty, and one that is no
-difference any more fails.
+Both run in this process, which a few tests hold to the programs. Scenarios are played once as they are and once with a
+clock that is about to wrap; hypothesis writes more. Differences that are known stand in `divergences.yaml`, by the name
+of the scenario: it has to be empty, and one that is no difference any more fails.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Protocol
 
 import pytest
 import yaml
@@ -15,6 +17,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.cross import events
 from tests.cross.driver import Testee
+from tests.cross.library import StartC, start_c_fixture  # noqa: F401  (a fixture)
 from tests.cross.scenario import SCENARIOS, Scenario, all_scenarios
 from tests.cross.testee import Bench
 
@@ -24,16 +27,21 @@ pytestmark = pytest.mark.slow
 
 WRAP = 0xFFFFFF00
 
-KNOWN: dict[str, str] = yaml.safe_load((SCENARIOS.parent / "known_differences.yaml").read_text()) or {}
+KNOWN: dict[str, str] = yaml.safe_load((SCENARIOS.parent / "divergences.yaml").read_text()) or {}
 
-Start = Callable[..., Testee]
 StartPython = Callable[..., Bench]
 
 
-def first_difference(lines: Sequence[str], in_c: Testee, in_python: Bench) -> str:
+class Answering(Protocol):
+    """What all testees are."""
+
+    def answer(self, line: str) -> list[str]: ...
+
+
+def first_difference(lines: Sequence[str], in_c: Answering, in_python: Answering) -> str:
     """The dialogue up to the first line that the two answer differently; nothing if they are equal."""
     for number, line in enumerate(lines, start=1):
-        c, python = in_c.line(line).lines, tuple(in_python.answer(line))
+        c, python = in_c.answer(line), in_python.answer(line)
         if c != python:
             return "\n".join([*(f"> {text}" for text in lines[:number]), "--- C", *c, "--- Python", *python])
     return ""
@@ -42,12 +50,12 @@ def first_difference(lines: Sequence[str], in_c: Testee, in_python: Bench) -> st
 @pytest.mark.parametrize("clock", [0, WRAP], ids=["plain", "wrapping"])
 @pytest.mark.parametrize("scenario", all_scenarios(), ids=lambda scenario: scenario.name)
 def test_scenario(
-    scenario: Scenario, clock: int, start: Start, start_python: StartPython, request: pytest.FixtureRequest
+    scenario: Scenario, clock: int, start_c: StartC, start_python: StartPython, request: pytest.FixtureRequest
 ) -> None:
     device: Device = request.getfixturevalue(scenario.device)
     options = {**scenario.options, **({"time": clock} if clock else {})}
     lines = [*(step.line for step in scenario.steps), "DUMP 0000-FFFF", "NVM"]
-    difference = first_difference(lines, start(device, **options), start_python(device, **options))
+    difference = first_difference(lines, start_c(device, **options), start_python(device, **options))
     if scenario.name in KNOWN:
         assert difference, f"{scenario.name} is equal now: take it off the known differences"
     else:
@@ -59,15 +67,38 @@ def test_no_difference_is_known() -> None:
 
 
 @pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy"])
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+@settings(suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_dialogue(
-    name: str, data: st.DataObject, start: Start, start_python: StartPython, request: pytest.FixtureRequest
+    name: str, data: st.DataObject, start_c: StartC, start_python: StartPython, request: pytest.FixtureRequest
 ) -> None:
     device: Device = request.getfixturevalue(name)
     node_id = data.draw(st.sampled_from([1, 5, 127]), "node-ID")
     lines = data.draw(events.dialogues(device, node_id), "lines")
     clock = data.draw(st.sampled_from([0, WRAP]), "clock")
-    with start(device, node_id=node_id, time=clock) as in_c:
-        difference = first_difference(lines, in_c, start_python(device, node_id=node_id, time=clock))
+    in_c = start_c(device, node_id=node_id, time=clock)
+    difference = first_difference(lines, in_c, start_python(device, node_id=node_id, time=clock))
     assert not difference, difference
+
+
+ODD_LINES = ["", " ", "T", "T 1 ", "RX 800", "POWER on", "T 2147483648", f"RX 601{' 00' * 90}", " ".join("T" * 41)]
+
+
+@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212"])
+def test_programs_are_what_runs_in_this_process(
+    name: str,
+    c_testee: Callable[[Device], Path],
+    python_testee: Callable[[Device], Path],
+    start_c: StartC,
+    start_python: StartPython,
+    request: pytest.FixtureRequest,
+) -> None:
+    """Every twentieth scenario, and lines that are none; the C program is the one that sanitizers watch."""
+    device: Device = request.getfixturevalue(name)
+    for scenario in [scenario for scenario in all_scenarios() if scenario.device == name][::20]:
+        lines = [*ODD_LINES, *(step.line for step in scenario.steps), "DUMP 0000-FFFF", "NVM", *ODD_LINES]
+        for program, inside in ((c_testee, start_c), (python_testee, start_python)):
+            with Testee([str(program(device))], **scenario.options) as outside:
+                expected = inside(device, **scenario.options)
+                for line in lines:
+                    assert list(outside.line(line).lines) == expected.answer(line), f"{scenario.name}: {line}"

@@ -1,11 +1,13 @@
 /*
- * One node of one device behind the line protocol of PROTOCOL.md.
+ * One node of one device behind the line protocol of PROTOCOL.md: a program, and the functions testee_new, testee_answer
+ * and testee_free of a shared library.
  *
  * It is compiled for a device by
  *     -DDEVICE_HEADER='"tmcm6212.h"' -DDEVICE_TYPE=tmcm6212_t -DDEVICE_INIT=tmcm6212_init
  * and includes condition_names.h, one line `[ODS_CONDITION_X] = "x",` for each condition, made from the vocabulary.
  */
 #include <inttypes.h>
+#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +17,8 @@
 #include DEVICE_HEADER
 
 #define LINE_SIZE 250u
+#define FIRST_ROOM 0x1000u
+#define MAX_EVENT 64u
 #define MAX_WORDS 40u
 #define IMAGE_SIZE 0x10000u
 #define MAX_VALUE 256u
@@ -38,6 +42,13 @@ typedef enum {
     POWER_CUT /* not any more */
 } power_t;
 
+/* An answer as it grows. */
+typedef struct {
+    char *text;
+    size_t length;
+    size_t room;
+} answer_t;
+
 typedef struct {
     DEVICE_TYPE drive;
     ods_port_t port;
@@ -52,26 +63,74 @@ typedef struct {
     uint8_t address;
     ods_os_status_t os_status;
     uint8_t os_reply[ODS_OS_COMMAND_SIZE];
+    int broken; /* the runtime did what its port does not allow */
+    answer_t answer;
     uint8_t image[IMAGE_SIZE];
-} bench_t;
+} testee_t;
 
 typedef struct {
     const char *word[MAX_WORDS];
     unsigned count;
 } line_t;
 
+testee_t *testee_new(unsigned node_id, uint32_t serial, uint32_t time);
+const char *testee_answer(testee_t *testee, const char *line);
+void testee_free(testee_t *testee);
+
+/* ---- the answer -------------------------------------------------------------------------------------------------- */
+
+/* Where the next `length` characters of the answer go, and one to end it. */
+static char *room_for(answer_t *answer, size_t length)
+{
+    if (answer->length + length >= answer->room) {
+        while (answer->length + length >= answer->room) {
+            answer->room = (answer->room == 0u) ? FIRST_ROOM : answer->room * 2u;
+        }
+        answer->text = realloc(answer->text, answer->room);
+        if (answer->text == NULL) {
+            fputs("no memory for the answer\n", stderr);
+            abort();
+        }
+    }
+    return &answer->text[answer->length];
+}
+
+/* At most MAX_EVENT characters. */
+static void say(testee_t *bench, const char *format, ...)
+{
+    char *const place = room_for(&bench->answer, MAX_EVENT);
+    va_list arguments;
+
+    va_start(arguments, format);
+    bench->answer.length += (size_t)vsnprintf(place, MAX_EVENT + 1u, format, arguments);
+    va_end(arguments);
+}
+
+static void say_octets(testee_t *bench, const uint8_t *octets, unsigned count)
+{
+    static const char digits[] = "0123456789ABCDEF";
+    char *place = room_for(&bench->answer, ((size_t)count * 3u) + 1u);
+
+    for (unsigned i = 0; i < count; i++) {
+        *place++ = ' ';
+        *place++ = digits[octets[i] >> 4];
+        *place++ = digits[octets[i] & 0xFu];
+    }
+    *place = '\n';
+    bench->answer.length += ((size_t)count * 3u) + 1u;
+}
+
 /* ---- what the device does ---------------------------------------------------------------------------------------- */
 
-static void say_octets(const uint8_t *octets, unsigned count)
+/* Ends this testee: the runtime asked for what there is not. */
+static void broke(testee_t *bench, const char *what, uint32_t number)
 {
-    for (unsigned i = 0; i < count; i++) {
-        printf(" %02X", octets[i]);
-    }
-    putchar('\n');
+    fprintf(stderr, "the runtime asks for %s %" PRIu32 "\n", what, number);
+    bench->broken = 1;
 }
 
 /* Tells the instant where it is a new one. Returns 0 for a device without power, which reaches nobody. */
-static int begin_event(bench_t *bench)
+static int begin_event(testee_t *bench)
 {
     const uint32_t now = bench->drive.node.now;
 
@@ -79,7 +138,7 @@ static int begin_event(bench_t *bench)
         return 0;
     }
     if (now != bench->told) {
-        printf("AT %" PRIu32 "\n", now - bench->begin);
+        say(bench, "AT %" PRIu32 "\n", now - bench->begin);
         bench->told = now;
     }
     return 1;
@@ -87,69 +146,76 @@ static int begin_event(bench_t *bench)
 
 static void send_frame(void *context, const ods_frame_t *frame)
 {
-    if (begin_event(context)) {
-        printf("TX %03X", (unsigned)frame->id);
-        say_octets(frame->data, frame->length);
+    testee_t *const bench = context;
+
+    if (begin_event(bench)) {
+        say(bench, "TX %03X", (unsigned)frame->id);
+        say_octets(bench, frame->data, frame->length);
     }
 }
 
 static void set_output(void *context, ods_output_t output, uint8_t channel, uint32_t value)
 {
-    if (!begin_event(context)) {
+    testee_t *const bench = context;
+
+    if (!begin_event(bench)) {
         return;
     }
     switch (output) {
     case ODS_OUTPUT_RUN_LED:
-        printf("OUT run_led %" PRIu32 "\n", value);
+        say(bench, "OUT run_led %" PRIu32 "\n", value);
         break;
     case ODS_OUTPUT_ERROR_LED:
-        printf("OUT error_led %" PRIu32 "\n", value);
+        say(bench, "OUT error_led %" PRIu32 "\n", value);
         break;
     case ODS_OUTPUT_DIGITAL:
-        printf("OUT digital %" PRIu32 "\n", value);
+        say(bench, "OUT digital %" PRIu32 "\n", value);
         break;
     case ODS_OUTPUT_ANALOG:
-        printf("OUT analog%u %d\n", (unsigned)channel, (int)(int16_t)value);
+        say(bench, "OUT analog%u %d\n", (unsigned)channel, (int)(int16_t)value);
         break;
     case ODS_OUTPUTS:
     default:
-        abort();
+        broke(bench, "output", (uint32_t)output);
+        break;
     }
 }
 
 static void join_bus(void *context, uint16_t bit_rate, uint8_t node_id)
 {
-    if (begin_event(context)) {
-        printf("BUS %u %u\n", (unsigned)bit_rate, (unsigned)node_id);
+    testee_t *const bench = context;
+
+    if (begin_event(bench)) {
+        say(bench, "BUS %u %u\n", (unsigned)bit_rate, (unsigned)node_id);
     }
 }
 
 static ods_os_status_t run_os_command(
     void *context, const uint8_t command[ODS_OS_COMMAND_SIZE], uint8_t reply[ODS_OS_COMMAND_SIZE])
 {
-    const bench_t *const bench = context;
+    testee_t *const bench = context;
 
-    if (begin_event(context)) {
-        fputs("OS", stdout);
-        say_octets(command, ODS_OS_COMMAND_SIZE);
+    if (begin_event(bench)) {
+        say(bench, "OS");
+        say_octets(bench, command, ODS_OS_COMMAND_SIZE);
     }
     memcpy(reply, bench->os_reply, ODS_OS_COMMAND_SIZE);
     return bench->os_status;
 }
 
 /* An octet of the image. What lies outside of what the device says it uses is a bug of the runtime. */
-static uint8_t *image_at(bench_t *bench, uint32_t address)
+static uint8_t *image_at(testee_t *bench, uint32_t address)
 {
     if (address >= bench->image_size) {
-        fprintf(stderr, "access to address %" PRIu32 ", outside of the image\n", address);
-        abort();
+        broke(bench, "address", address);
+        address = 0;
     }
     return &bench->image[address];
 }
 
 static int read_memory(void *context, uint32_t address, uint8_t *octet)
 {
-    bench_t *const bench = context;
+    testee_t *const bench = context;
 
     *octet = *image_at(bench, address);
     return bench->memory_fails;
@@ -157,7 +223,7 @@ static int read_memory(void *context, uint32_t address, uint8_t *octet)
 
 static int write_memory(void *context, uint32_t address, uint8_t octet)
 {
-    bench_t *const bench = context;
+    testee_t *const bench = context;
     uint8_t *const place = image_at(bench, address);
 
     if (bench->memory_fails) {
@@ -253,12 +319,12 @@ static int is_name(const char *word)
 /* ---- lines ------------------------------------------------------------------------------------------------------- */
 
 /* The reason not to hand an event to a device without power: it is off, or nothing happens. */
-static nack_t without_power(const bench_t *bench)
+static nack_t without_power(const testee_t *bench)
 {
     return (bench->power == POWER_OFF) ? OFF : NULL;
 }
 
-static nack_t do_rx(bench_t *bench, const line_t *line)
+static nack_t do_rx(testee_t *bench, const line_t *line)
 {
     ods_frame_t frame = { 0, 0, 0, { 0 } };
     uint32_t id;
@@ -290,7 +356,7 @@ static nack_t do_rx(bench_t *bench, const line_t *line)
     return NULL;
 }
 
-static nack_t do_time(bench_t *bench, const line_t *line)
+static nack_t do_time(testee_t *bench, const line_t *line)
 {
     uint64_t step;
 
@@ -308,7 +374,7 @@ static nack_t do_time(bench_t *bench, const line_t *line)
 }
 
 /* Returns 0 if the device has no such input. */
-static int find_input(const bench_t *bench, const char *name, ods_input_t *input, uint8_t *channel, uint64_t *max)
+static int find_input(const testee_t *bench, const char *name, ods_input_t *input, uint8_t *channel, uint64_t *max)
 {
     uint64_t number;
 
@@ -332,7 +398,7 @@ static int find_input(const bench_t *bench, const char *name, ods_input_t *input
     return 1;
 }
 
-static nack_t do_input(bench_t *bench, const line_t *line)
+static nack_t do_input(testee_t *bench, const line_t *line)
 {
     ods_input_t input;
     uint8_t channel;
@@ -356,7 +422,7 @@ static nack_t do_input(bench_t *bench, const line_t *line)
     return NULL;
 }
 
-static nack_t do_fault(bench_t *bench, const line_t *line)
+static nack_t do_fault(testee_t *bench, const line_t *line)
 {
     const int on = is_word(line, 3, "on");
     uint64_t axis;
@@ -379,7 +445,7 @@ static nack_t do_fault(bench_t *bench, const line_t *line)
     return NULL;
 }
 
-static nack_t do_can(bench_t *bench, const line_t *line)
+static nack_t do_can(testee_t *bench, const line_t *line)
 {
     static const struct {
         const char *word;
@@ -407,16 +473,16 @@ static nack_t do_can(bench_t *bench, const line_t *line)
     return MALFORMED;
 }
 
-static void tell_image(const bench_t *bench)
+static void tell_image(testee_t *bench)
 {
     for (uint32_t address = 0; address < bench->image_size; address += 32u) {
         const uint32_t left = bench->image_size - address;
-        printf("NVM %04" PRIX32, address);
-        say_octets(&bench->image[address], (left < 32u) ? left : 32u);
+        say(bench, "NVM %04" PRIX32, address);
+        say_octets(bench, &bench->image[address], (left < 32u) ? left : 32u);
     }
 }
 
-static nack_t do_memory(bench_t *bench, const line_t *line)
+static nack_t do_memory(testee_t *bench, const line_t *line)
 {
     uint8_t octets[32];
     uint32_t address;
@@ -439,7 +505,7 @@ static nack_t do_memory(bench_t *bench, const line_t *line)
     return NULL;
 }
 
-static nack_t do_os(bench_t *bench, const line_t *line)
+static nack_t do_os(testee_t *bench, const line_t *line)
 {
     uint8_t reply[ODS_OS_COMMAND_SIZE] = { 0 };
     uint64_t status;
@@ -462,13 +528,13 @@ static nack_t do_os(bench_t *bench, const line_t *line)
 }
 
 /* Memory of a node that has just been powered holds anything. */
-static void make_node(bench_t *bench)
+static void make_node(testee_t *bench)
 {
     memset(&bench->drive, 0xA5, sizeof(bench->drive));
     DEVICE_INIT(&bench->drive, &bench->port, &bench->config);
 }
 
-static nack_t do_power(bench_t *bench, const line_t *line)
+static nack_t do_power(testee_t *bench, const line_t *line)
 {
     uint64_t writes = 0;
 
@@ -500,7 +566,7 @@ static nack_t do_power(bench_t *bench, const line_t *line)
     return NULL;
 }
 
-static void tell_entry(const bench_t *bench, uint16_t index, uint8_t sub, uint32_t *abort_code)
+static void tell_entry(testee_t *bench, uint16_t index, uint8_t sub, uint32_t *abort_code)
 {
     uint8_t value[MAX_VALUE];
     uint16_t length = 0;
@@ -509,15 +575,15 @@ static void tell_entry(const bench_t *bench, uint16_t index, uint8_t sub, uint32
     if ((*abort_code == ODS_ABORT_NO_OBJECT) || (*abort_code == ODS_ABORT_NO_SUB_INDEX)) {
         return;
     }
-    printf("OD %04X:%02X", (unsigned)index, (unsigned)sub);
+    say(bench, "OD %04X:%02X", (unsigned)index, (unsigned)sub);
     if (*abort_code != 0u) {
-        printf(" ABORT %08" PRIX32 "\n", *abort_code);
+        say(bench, " ABORT %08" PRIX32 "\n", *abort_code);
     } else {
-        say_octets(value, length);
+        say_octets(bench, value, length);
     }
 }
 
-static nack_t do_dump(bench_t *bench, const line_t *line)
+static nack_t do_dump(testee_t *bench, const line_t *line)
 {
     uint32_t limits[2];
 
@@ -546,11 +612,11 @@ static nack_t do_dump(bench_t *bench, const line_t *line)
     return NULL;
 }
 
-static nack_t obey(bench_t *bench, const line_t *line)
+static nack_t obey(testee_t *bench, const line_t *line)
 {
     static const struct {
         const char *word;
-        nack_t (*handler)(bench_t *bench, const line_t *line);
+        nack_t (*handler)(testee_t *bench, const line_t *line);
     } handlers[] = {
         { "RX", do_rx },
         { "T", do_time },
@@ -590,30 +656,74 @@ static void split(char *text, line_t *line)
     }
 }
 
-static void answer(bench_t *bench, char *text)
+/* ---- the library ------------------------------------------------------------------------------------------------- */
+
+/* A testee without power. Returns NULL if there is no memory for it or for its image. */
+testee_t *testee_new(unsigned node_id, uint32_t serial, uint32_t time)
 {
-    line_t line;
+    testee_t *const bench = calloc(1, sizeof(*bench));
+
+    if (bench == NULL) {
+        return NULL;
+    }
+    bench->config.node_id = (uint8_t)node_id;
+    bench->config.serial_number = serial;
+    bench->now = time;
+    bench->port.context = bench;
+    bench->port.send = send_frame;
+    bench->port.output = set_output;
+    bench->port.bus = join_bus;
+    bench->port.nvm_read = read_memory;
+    bench->port.nvm_write = write_memory;
+    memset(bench->image, 0xFF, sizeof(bench->image));
+    make_node(bench);
+    bench->image_size = ods_store_size(bench->drive.node.device);
+    if (bench->image_size > IMAGE_SIZE) {
+        testee_free(bench);
+        return NULL;
+    }
+    return bench;
+}
+
+/* The answer to a line without its end, valid until the next call. NULL once the runtime is broken. */
+const char *testee_answer(testee_t *bench, const char *line)
+{
+    char text[LINE_SIZE + 1u] = "";
+    line_t words;
     nack_t nack;
     uint32_t next;
 
-    split(text, &line);
+    if (strlen(line) <= LINE_SIZE) {
+        memcpy(text, line, strlen(line) + 1u);
+    }
+    split(text, &words);
+    bench->answer.length = 0;
     bench->begin = bench->now;
     bench->told = bench->now;
-    nack = obey(bench, &line);
+    nack = obey(bench, &words);
     if (nack != NULL) {
-        printf("NACK %s\n", nack);
+        say(bench, "NACK %s\n", nack);
     } else if ((bench->power == POWER_ON) && ods_node_next(&bench->drive.node, &next)) {
-        printf("NEXT %" PRIu32 "\n", next - bench->now);
+        say(bench, "NEXT %" PRIu32 "\n", next - bench->now);
     } else {
-        puts("NEXT -");
+        say(bench, "NEXT -\n");
     }
-    fflush(stdout);
+    bench->answer.text[bench->answer.length] = '\0';
+    return bench->broken ? NULL : bench->answer.text;
+}
+
+void testee_free(testee_t *bench)
+{
+    if (bench != NULL) {
+        free(bench->answer.text);
+        free(bench);
+    }
 }
 
 /* ---- the program ------------------------------------------------------------------------------------------------- */
 
-/* Reads a line without its end; one that is too long, or has a NUL in it, becomes an empty one. 0: the end. */
-static int read_line(char text[LINE_SIZE + 1u])
+/* Reads a line without its end. One that is too long stays so, one with a NUL in it becomes an empty one. 0: the end. */
+static int read_line(char text[LINE_SIZE + 2u])
 {
     unsigned length = 0;
     int bad = 0;
@@ -623,9 +733,9 @@ static int read_line(char text[LINE_SIZE + 1u])
         return 0;
     }
     for (; (c != EOF) && (c != '\n'); c = getchar()) {
-        if ((length == LINE_SIZE) || (c == '\0')) {
+        if (c == '\0') {
             bad = 1;
-        } else {
+        } else if (length <= LINE_SIZE) {
             text[length] = (char)c;
             length++;
         }
@@ -634,21 +744,24 @@ static int read_line(char text[LINE_SIZE + 1u])
     return 1;
 }
 
-static int read_options(bench_t *bench, int argc, char **argv)
+typedef struct {
+    uint64_t node_id;
+    uint64_t serial;
+    uint32_t time;
+} options_t;
+
+static int read_options(options_t *options, int argc, char **argv)
 {
     for (int i = 1; i < argc; i += 2) {
         const char *const value = (i + 1 < argc) ? argv[i + 1] : "";
-        uint64_t number = 0;
         int good = 0;
 
         if (strcmp(argv[i], "--node-id") == 0) {
-            good = read_decimal(value, 10, &number) && (number <= 127u);
-            bench->config.node_id = (uint8_t)number;
+            good = read_decimal(value, 10, &options->node_id) && (options->node_id <= 127u);
         } else if (strcmp(argv[i], "--serial") == 0) {
-            good = read_decimal(value, 10, &number) && (number <= UINT32_MAX);
-            bench->config.serial_number = (uint32_t)number;
+            good = read_decimal(value, 10, &options->serial) && (options->serial <= UINT32_MAX);
         } else if (strcmp(argv[i], "--time") == 0) {
-            good = read_hex(value, 1, 8, &bench->now);
+            good = read_hex(value, 1, 8, &options->time);
         }
         if (!good) {
             fprintf(stderr, "usage: testee [--node-id N] [--serial N] [--time HEX], not %s %s\n", argv[i], value);
@@ -660,27 +773,26 @@ static int read_options(bench_t *bench, int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    static bench_t bench;
-    static char text[LINE_SIZE + 1u];
+    options_t options = { 0, 0, 0 };
+    char line[LINE_SIZE + 2u];
+    const char *text = "";
+    testee_t *testee;
 
-    bench.port.context = &bench;
-    bench.port.send = send_frame;
-    bench.port.output = set_output;
-    bench.port.bus = join_bus;
-    bench.port.nvm_read = read_memory;
-    bench.port.nvm_write = write_memory;
-    memset(bench.image, 0xFF, sizeof(bench.image));
-    if (!read_options(&bench, argc, argv)) {
+    if (!read_options(&options, argc, argv)) {
         return 2;
     }
-    make_node(&bench);
-    bench.image_size = ods_store_size(bench.drive.node.device);
-    if (bench.image_size > IMAGE_SIZE) {
-        fputs("the image is too small\n", stderr);
+    testee = testee_new((unsigned)options.node_id, (uint32_t)options.serial, options.time);
+    if (testee == NULL) {
+        fputs("no memory, or the image is too small\n", stderr);
         return 2;
     }
-    while (read_line(text)) {
-        answer(&bench, text);
+    while ((text != NULL) && read_line(line)) {
+        text = testee_answer(testee, line);
+        if (text != NULL) {
+            fputs(text, stdout);
+            fflush(stdout);
+        }
     }
-    return 0;
+    testee_free(testee);
+    return (text == NULL) ? 1 : 0;
 }

@@ -1,8 +1,8 @@
 /*
  * A CANopen node: one device on the bus.
  *
- *     static tmcm6212_t drive;                            all memory of the node, from the generated header
- *     tmcm6212_init(&drive, &port, &config);
+ *     static NAME_t drive;                                all memory of the node, from the generated header NAME.h
+ *     NAME_init(&drive, &port, &config);
  *     ods_node_power_on(&drive.node, now_us());
  *     for (;;) {
  *         while (can_receive(&frame)) {
@@ -74,6 +74,7 @@ typedef enum {
 typedef struct {
     ods_od_ref_t ref;
     const uint8_t *source; /* of an upload */
+    uint32_t address; /* of what is being written: index, sub-index << 16; of no meaning for an RPDO */
     uint16_t index;
     uint16_t length; /* octets in all; of a download whose size is not told the most that fit */
     uint16_t done; /* octets so far */

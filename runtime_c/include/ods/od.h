@@ -38,7 +38,7 @@
  *     what its effect refuses. A value has to lie in one of the intervals, if there are any; what is refused depends:
  *         ODS_OD_SIGNATURE  signatures that are obeyed: ODS_ABORT_NOT_STORED
  *         ODS_OD_LISTED     a set: ODS_ABORT_INVALID_VALUE
- *         neither           one interval, a range: ODS_ABORT_VALUE_TOO_HIGH or ODS_ABORT_VALUE_TOO_LOW
+ *         ODS_OD_RANGE      one interval, a range: ODS_ABORT_VALUE_TOO_HIGH or ODS_ABORT_VALUE_TOO_LOW
  *     Limits of types with ODS_OD_BIASED are biased, so that one unsigned comparison of the biased value does for all.
  *
  * Strings
@@ -137,12 +137,14 @@ typedef struct {
 } ods_od_fold_t;
 
 #define ODS_OD_SIGNATURE 0x01u /* the intervals are signatures */
-#define ODS_OD_LISTED 0x02u /* the intervals are a set of values, not a range */
+#define ODS_OD_LISTED 0x02u /* the intervals are a set of values */
+#define ODS_OD_RANGE 0x04u /* one interval, a range */
+#define ODS_OD_GUARDED 0x08u /* states or the effect may speak against a write, too */
 
 typedef struct {
     uint8_t first; /* its first interval */
     uint8_t intervals; /* how many there are; 0: every value of the type may be written */
-    uint8_t flags;
+    uint8_t flags; /* 0: nothing can speak against a write */
     uint8_t states; /* PDS states in which it may be written, bit 1 << ods_pds_state_t; 0: all */
     uint8_t group; /* storage group, counted from 1; 0: never stored */
     uint8_t effect; /* ods_effect_t: what a write does */

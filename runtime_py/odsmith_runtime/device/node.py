@@ -21,6 +21,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 from odsmith_cia.codes import AbortCode
+from odsmith_cia.words import Condition
 
 from . import access, can_id, sync
 from .axis import Axis
@@ -117,6 +118,8 @@ class Node:
 
     def fault(self, now: int, axis: int, condition: str, holds: bool) -> None:
         """The hardware of an axis reports that a condition holds or has ended. Acts at the next tick."""
+        if condition == Condition.FAULT_RESET:  # which the node itself raises
+            return
         if self.id:
             self._catch_up(now)
             self.timers.arm_tick()

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
+from odsmith.backends.c.dictionary import REFUSING
 from odsmith.canopen_types import DataType
 from odsmith.model import Allowed, Device, Entry, ExpandedEntry, ExpandedObject, PdoKind
 from odsmith.vocabulary import Vocabulary
 
 Dump = Callable[..., list[str]]
+
+RUNTIME = Path(__file__).parents[3] / "runtime_c"
 
 NODE_ID = 5
 """That of dump_od.c."""
@@ -84,14 +89,16 @@ def _rule(device: Device, vocabulary: Vocabulary, entry: Entry) -> Iterator[str]
         yield from "-----"
         return
     every = Allowed(((entry.type.low, entry.type.high),), listed=True) if entry.type.integer else None
+    limited = entry.allowed and every and entry.allowed.intervals != every.intervals
     if entry.signatures:
         yield ",".join(f"{item.value}..{item.value}" for item in entry.signatures)
-    elif entry.allowed and every and entry.allowed.intervals != every.intervals:
+    elif entry.allowed and limited:
         yield ",".join(f"{low}..{high}" for low, high in entry.allowed.intervals)
     else:
         yield "any"
     listed = entry.allowed is not None and entry.allowed.listed
-    yield str(1 if entry.signatures else 2 if listed and entry.allowed != every else 0)
+    limits = 1 if entry.signatures else 0 if not limited else 2 if listed else 4
+    yield str(limits | (8 if entry.writable_in or entry.effect in REFUSING else 0))
     states = [state.name for state in vocabulary.pds_states]
     yield str(sum(1 << states.index(state) for state in entry.writable_in))
     yield str(0 if entry.stored == "never" else list(device.storage_groups).index(entry.stored) + 1)
@@ -214,3 +221,10 @@ def _expected_drive(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
         held_by = device.object(parameter.object)
         assert held_by
         yield f"ramp {number} {held_by.index} {types[held_by.entries[0].type]}"
+
+
+def test_what_refuses_is_guarded() -> None:
+    """A rule is only asked for more than its intervals if its effect is among those of ods_effect.c that refuse."""
+    text = (RUNTIME / "src" / "ods_effect.c").read_text(encoding="utf-8")
+    asked = re.findall(r"case ODS_EFFECT_(\w+):", text[: text.index("void ods_effect_apply(")])
+    assert {name.lower() for name in asked} == REFUSING

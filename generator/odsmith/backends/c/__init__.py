@@ -240,7 +240,12 @@ def _rule(device: Device, rule: Rule, users: tuple[PackedEntry, ...]) -> RuleRow
     return RuleRow(
         rule.first,
         rule.intervals,
-        flags("ODS_OD_SIGNATURE" if rule.signature else "", "ODS_OD_LISTED" if rule.listed else ""),
+        flags(
+            "ODS_OD_SIGNATURE" if rule.signature else "",
+            "ODS_OD_LISTED" if rule.listed else "",
+            "ODS_OD_RANGE" if rule.ranged else "",
+            "ODS_OD_GUARDED" if rule.guarded else "",
+        ),
         states,
         c_drive.group_name(device, rule.group) if rule.group else "0",
         names.constant("ODS_EFFECT", rule.effect) if rule.effect else "0",

@@ -39,6 +39,22 @@ _LIMIT_16 = 0xFFFF
 
 _LONGEST_NUMBER = 8
 
+REFUSING = frozenset(
+    {
+        "cob_id_sync",
+        "cob_id_emcy",
+        "consumer_heartbeat",
+        "store",
+        "restore",
+        "os_command",
+        "pdo_cob_id",
+        "pdo_mapped_count",
+        "pdo_mapping",
+    }
+)
+"""Effects that may refuse a value that is in range, or any value in some state: those of `ods_effect_state()` and
+`ods_effect_check()` of the C runtime."""
+
 
 @dataclass(frozen=True, slots=True)
 class Fold:
@@ -98,6 +114,16 @@ class Rule:
     states: tuple[str, ...] = ()
     group: str = ""
     effect: str = ""
+
+    @property
+    def ranged(self) -> bool:
+        """Whether the intervals are neither signatures nor a set, but one range."""
+        return self.intervals > 0 and not self.signature and not self.listed
+
+    @property
+    def guarded(self) -> bool:
+        """Whether more than the intervals can speak against a write."""
+        return bool(self.states) or self.effect in REFUSING
 
 
 @dataclass(frozen=True, slots=True)

@@ -91,15 +91,20 @@ static const uint32_t words[] = {
 
 static const ods_od_rule_t rules[] = {
     /* cannot be written */
-    { 0, 0, 0, 0, 0, 0 },
+    { 0, 0, 0,
+      0, 0, 0 },
     /* 2000h:00 */
-    { 0, 1, 0, 0, TOY_GROUP_MOTOR, ODS_EFFECT_VALUE },
+    { 0, 1, ODS_OD_RANGE,
+      0, TOY_GROUP_MOTOR, ODS_EFFECT_VALUE },
     /* 6060h:00 */
-    { 1, 2, ODS_OD_LISTED, 0, 0, ODS_EFFECT_VALUE },
+    { 1, 2, ODS_OD_LISTED,
+      0, 0, ODS_EFFECT_VALUE },
     /* 607Ah:00, 1400h:01, 1400h:02 and 4 more */
-    { 0, 0, 0, 0, 0, ODS_EFFECT_VALUE },
+    { 0, 0, 0,
+      0, 0, ODS_EFFECT_VALUE },
     /* 1600h:00 */
-    { 3, 1, 0, 0, 0, ODS_EFFECT_VALUE },
+    { 3, 1, ODS_OD_RANGE,
+      0, 0, ODS_EFFECT_VALUE },
 };
 
 static const ods_od_interval_t intervals[] = {

@@ -1,4 +1,4 @@
-"""A master that we did not write, python-canopen with our EDS, works with the device over an in-process bus."""
+"""A master that we did not write, python-canopen with our EDS, works with the device as a C and as a Python program."""
 
 from __future__ import annotations
 
@@ -43,6 +43,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def device(request: pytest.FixtureRequest) -> Device:
     device: Device = request.getfixturevalue(request.param)
     return device
+
+
+@pytest.fixture(params=["c", "python"])
+def testee_program(request: pytest.FixtureRequest) -> Callable[[Device], Path]:
+    program: Callable[[Device], Path] = request.getfixturevalue(f"{request.param}_testee")
+    return program
 
 
 @pytest.fixture

@@ -1,0 +1,218 @@
+"""A state machine over both devices: hypothesis chooses what happens, and after each line they have told the same.
+
+`make cross-long` runs it for hours; the environment says how much it tries:
+
+    CROSS_EXAMPLES  dialogues of each device
+    CROSS_STEPS     events in one, at most
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from random import Random
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    precondition,
+    rule,
+    run_state_machine_as_test,
+)
+from tests.cross.events import TIME_OUT, Event, Events, Lines, events_of
+from tests.cross.library import CBench, StartC, start_c_fixture  # noqa: F401  (a fixture)
+from tests.cross.testee import Bench
+
+from odsmith.model import Device
+
+pytestmark = pytest.mark.slow
+
+EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "40"))
+STEPS = int(os.environ.get("CROSS_STEPS", "40"))
+
+WRAP = 0xFFFFFF00
+
+DUMPED = 24
+"""Objects that are looked at after each event."""
+
+
+def drawn(choose: Callable[[Events], Event]) -> Event:
+    """What may happen to the device of the machine, under the node-ID that it has by then."""
+    return st.runner().flatmap(lambda twins: choose(events_of(twins.device, twins.node_id)))
+
+
+class Twins(RuleBasedStateMachine):
+    """One device in C and in Python; subclasses name it."""
+
+    device: Device
+    start_c: StartC
+    start_python: Callable[..., Bench]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.node_id = 1
+        self.told: list[str] = []
+        self.next = "-"
+        self.agree = True
+        self.indices = [obj.index for obj in self.device.expanded]
+
+    @initialize(
+        node_id=st.sampled_from([0, 1, 5, 127]),
+        serial=st.sampled_from([0, 0xFFFFFFFF]),
+        time=st.sampled_from([0, WRAP]),
+        seed=st.integers(0, 0xFFFF),
+    )
+    def begin(self, node_id: int, serial: int, time: int, seed: int) -> None:
+        options = {"node_id": node_id, "serial": serial, "time": time}
+        self.c: CBench = type(self).start_c(self.device, **options)
+        self.python: Bench = type(self).start_python(self.device, **options)
+        self.random = Random(seed)
+        self.told.append(f"options: {options}")
+        self.line("POWER on")
+
+    def line(self, line: str) -> None:
+        """Both obey, and tell the same."""
+        self.told.append(f"> {line}")
+        for text in (answer := self.compare(line)):
+            if text.startswith("BUS "):
+                self.node_id = int(text.split(" ")[2])
+        self.next = "-" if answer[-1].startswith("NACK") else answer[-1].removeprefix("NEXT ")
+
+    def obey(self, lines: Lines) -> None:
+        for line in lines:
+            self.line(line)
+
+    @property
+    def powered(self) -> bool:
+        return self.python.power == "on"
+
+    # ---- rules -------------------------------------------------------------------------------------------------------
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.frame))
+    def frame(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.sdo_frame))
+    def sdo_frame(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: st.one_of(events.read, events.write)))
+    def transfer(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.disturbed))
+    def disturbed(self, lines: Lines) -> None:
+        """A transfer, or several, with something wrong."""
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.pdo))
+    def configure_pdo(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.nmt))
+    def nmt(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @rule(lines=drawn(lambda events: events.time))
+    def time(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @precondition(lambda self: self.next not in ("-", "0"))
+    @rule(beside=st.integers(-1, 1))
+    def until_next(self, beside: int) -> None:
+        """To the instant at which the device has something to do, or beside it."""
+        self.line(f"T {min(int(self.next) + beside, 2 * TIME_OUT)}")
+
+    @rule(lines=drawn(lambda events: events.bench))
+    def bench(self, lines: Lines) -> None:
+        """Inputs, faults, events of the CAN controller, memory that fails, answers to OS commands."""
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.store))
+    def store(self, lines: Lines) -> None:
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(cut=drawn(lambda events: events.cut), lines=drawn(lambda events: events.store))
+    def cut_in_the_middle(self, cut: Lines, lines: Lines) -> None:
+        """Power is lost at the k-th octet that is written; what happens then happens to nobody."""
+        self.obey([*cut, *lines])
+
+    @precondition(lambda self: self.powered)
+    @rule()
+    def cut(self) -> None:
+        self.line("POWER cut")
+
+    @precondition(lambda self: not self.powered)
+    @rule()
+    def power_on(self) -> None:
+        self.line("POWER on")
+
+    @precondition(lambda self: not self.powered)
+    @rule(address=st.integers(0, 0x1000), octets=st.binary(min_size=1, max_size=4))
+    def damage(self, address: int, octets: bytes) -> None:
+        """The image while the device is off: somebody else writes to it."""
+        self.line(f"NVM set {address % len(self.python.image):X} {octets.hex(' ')}")
+
+    # ---- what holds after each rule ----------------------------------------------------------------------------------
+
+    @invariant()
+    def same_entries(self) -> None:
+        first = self.random.randrange(len(self.indices))
+        last = min(first + DUMPED, len(self.indices)) - 1
+        self.look(f"DUMP {self.indices[first]:04X}-{self.indices[last]:04X}")
+
+    @invariant()
+    def same_image(self) -> None:
+        self.look("NVM")
+
+    def look(self, line: str) -> None:
+        """Like `line`, but it is no part of the dialogue if they agree."""
+        self.told.append(f"> {line}")
+        self.compare(line)
+        self.told.pop()
+
+    def compare(self, line: str) -> list[str]:
+        self.agree = False
+        c, python = self.c.answer(line), self.python.answer(line)
+        assert c == python, "\n".join([*self.told, *_differing(c, python)])
+        self.agree = True
+        return c
+
+    def teardown(self) -> None:
+        if self.agree and self.told:
+            self.look("DUMP 0000-FFFF")
+
+
+def _differing(c: list[str], python: list[str]) -> list[str]:
+    """Short answers, or what differs in long ones of equal length."""
+    if len(c) != len(python) or len(c) < 10:
+        return ["--- C", *c, "--- Python", *python]
+    pairs = [(mine, other) for mine, other in zip(c, python, strict=True) if mine != other]
+    return [line for mine, other in pairs for line in (f"C      {mine}", f"Python {other}")]
+
+
+@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy"])
+def test_twins(name: str, start_c: StartC, start_python: Callable[..., Bench], request: pytest.FixtureRequest) -> None:
+    class Twin(Twins):
+        device = request.getfixturevalue(name)
+
+    Twin.start_c = staticmethod(start_c)
+    Twin.start_python = staticmethod(start_python)
+    run_state_machine_as_test(
+        Twin,
+        settings=settings(
+            max_examples=EXAMPLES, stateful_step_count=STEPS, suppress_health_check=list(HealthCheck), print_blob=True
+        ),
+    )
