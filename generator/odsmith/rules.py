@@ -231,6 +231,7 @@ rule("E423", "error", "one choice, two NMT states", "A choice of error behaviour
 rule("E431", "error", "PDO over 64 bits", "A CAN frame carries 8 bytes.")
 rule("E432", "error", "PDO with too many entries", "The device maps fewer entries per PDO.")
 rule("E433", "error", "mapping of what is not mappable", "The PDO could never carry this object.")
+rule("E434", "error", "set-up in a PDO", "A PDO does not say which entry it writes, but set-up depends on it.")
 rule("E441", "error", "number given twice", "Two elements with one code could not be told apart on the bus.")
 rule("E442", "error", "unreachable PDS state", "No sequence of transitions leads from power-on to the state.")
 rule("E443", "error", "ambiguous PDS states", "A statusword must mean one state.")

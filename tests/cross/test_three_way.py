@@ -285,7 +285,7 @@ def _allowed(device: Device, kind: str, cell: str) -> Any:
     text = re.sub(r" \(.*?\)", "", _text(cell))
     if not text:
         return None
-    if text == "any value of the type" or text.startswith("up to"):
+    if text == "any value of the type" or text.endswith(" octets"):
         return (LIMITS.get(kind, (None, None)),)
     if text.startswith("`"):
         signatures = {signature.ascii: signature.value for signature in device.signatures.values()}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import chain, pairwise
 
-from odsmith.canopen_types import Access
+from odsmith.canopen_types import Access, PdoDirection
 from odsmith.check.places import Places
 from odsmith.errors import Diagnostic
 from odsmith.fields import allowed_values
@@ -23,6 +23,12 @@ NODE_IDS = (1, 127)
 """The smallest and the largest node-ID: what a default with $NODEID may become."""
 
 
+SET_UP = frozenset(
+    {"consumer_heartbeat", "store", "restore", "pdo_cob_id", "pdo_parameter", "pdo_mapped_count", "pdo_mapping"}
+)
+"""Effects that set up communication or storing."""
+
+
 def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
     yield from _mandatory(device)
     yield from _indices(device)
@@ -32,6 +38,7 @@ def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
             yield from _EntryCheck(obj, entry, places).run(device)
     yield from _roles_used_twice(device, places)
     yield from _nmt_states(device)
+    yield from _set_up_in_pdos(device, places)
 
 
 def label(obj: Object, entry: Entry) -> str:
@@ -241,6 +248,19 @@ def _nmt_states(device: Device) -> Iterator[Diagnostic]:
                 "one value means the same for every error",
                 notes=((first.place, f"it {_leads(first)} here"),),
             )
+
+
+def _set_up_in_pdos(device: Device, places: Places) -> Iterator[Diagnostic]:
+    """Some effects depend on the address that was written, which a PDO does not carry."""
+    for obj in device.objects:
+        for entry in obj.entries:
+            if entry.effect in SET_UP and entry.mapping in (PdoDirection.RX, PdoDirection.BOTH):
+                yield diagnose(
+                    "E434",
+                    places.of(obj, entry, "mapping"),
+                    f"{label(obj, entry)} has the effect `{entry.effect}`, which no PDO may carry",
+                    "leave `mapping` out",
+                )
 
 
 def _leads(value: NamedValue) -> str:

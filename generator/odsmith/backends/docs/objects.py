@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from odsmith.backends.docs.links import OBJECT_PAGES, axis_indices, hexadecimal
 from odsmith.backends.docs.text import Piece, Reader, Rich, code, joined, plain
-from odsmith.canopen_types import Access, ObjectType, PdoDirection, Source
+from odsmith.canopen_types import Access, DataType, ObjectType, PdoDirection, Source
 from odsmith.model import Bit, Default, Device, Entry, Erratum, Mode, NamedValue, Object
 from odsmith.vocabulary import Unit
 
@@ -274,7 +274,8 @@ class ObjectWriter:
         if entry.signatures:
             return joined(code(signature.ascii) for signature in entry.signatures)
         if not entry.type.integer:
-            return plain(f"up to {entry.length} octets" if entry.length else "any")
+            some = "up to" if entry.type is DataType.VISIBLE_STRING else "exactly"
+            return plain(f"{some} {entry.length} octets" if entry.length else "any")
         if entry.allowed is None:
             return plain("any value of the type")
         return plain(
