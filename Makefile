@@ -48,7 +48,8 @@ sizes: $(SET_UP)
 
 coverage: $(SET_UP)
 	rm -rf build/coverage
-	ODSMITH_COVERAGE=$(CURDIR)/build/coverage $(BIN)/pytest -q -n auto tests/unit/runtime_c tests/cross
+	ODSMITH_COVERAGE=$(CURDIR)/build/coverage $(BIN)/pytest -q -n auto tests/unit/runtime_c \
+	    tests/cross/test_scenarios.py tests/cross/test_protocol.py
 	$(BIN)/python bench/coverage_c.py build/coverage
 
 CROSS_SECONDS ?= 0

@@ -28,7 +28,12 @@ SIGNATURES = (SAVE, LOAD, 0x656B616D, 0x6C6C696B)
 NOT_VALID = 1 << 31
 """The bit of a COB-ID that switches its object off."""
 
+NO_REMOTE = 1 << 30
+"""The bit of the COB-ID of a TPDO that says that no remote frame asks for it."""
+
 CAN_EVENTS = ("ok", "warning", "passive", "busoff", "error", "overrun", "rxfull", "txfull")
+
+START, SYNC = "RX 000 01 00", "RX 080"
 
 TIME_OUT = 1_000_000
 """Microseconds after which the SDO server gives a transfer up."""
@@ -84,6 +89,7 @@ class Events:
         self.frame = self._frame()
         self.read = self._read()
         self.write = self._write()
+        self.traffic = self._traffic()
         self.pdo = self._pdo()
         self.store = self._store()
         self.time = self._time()
@@ -101,6 +107,7 @@ class Events:
             self.pdo,
             self.store,
             self.disturbed,
+            self.traffic,
             self.nmt,
             self.bench,
         )
@@ -111,10 +118,11 @@ class Events:
     # ---- words -------------------------------------------------------------------------------------------------------
 
     def _some(self, wanted: Callable[[Entry], bool]) -> st.SearchStrategy[Address]:
-        """Entries; the communication profile more often than its share."""
+        """Entries; those of the communication profile, and those that something moves, more often than their share."""
         addresses = [address for address, entry in self._entries.items() if wanted(entry)]
         communication = [address for address in addresses if 0x1000 <= address[0] < 0x2000]
-        return st.one_of([st.sampled_from(choices) for choices in (communication, addresses) if choices])
+        moving = [address for address in addresses if self._entries[address].role]
+        return st.one_of([st.sampled_from(choices) for choices in (communication, moving, addresses) if choices])
 
     def _addresses(self) -> st.SearchStrategy[Address]:
         """Mostly those of entries that are there."""
@@ -122,19 +130,20 @@ class Events:
         anywhere = st.tuples(st.integers(0, 0xFFFF), st.integers(0, 255))
         return st.one_of(self._some(lambda entry: True), beside, anywhere)
 
+    def _mapping(self, address: Address) -> int:
+        return address[0] << 16 | address[1] << 8 | self._entries[address].bit_length
+
     def _mappings(self, allowed: Callable[[PdoDirection], bool]) -> st.SearchStrategy[int]:
         """PDO mapping entries: most are in order."""
-        mappable = [
-            index << 16 | sub << 8 | entry.bit_length
-            for (index, sub), entry in self._entries.items()
-            if allowed(entry.mapping)
-        ]
+        if not any(allowed(entry.mapping) for entry in self._entries.values()):
+            return self._some(lambda entry: True).map(lambda address: self._mapping(address))
+        right = self._some(lambda entry: allowed(entry.mapping)).map(lambda address: self._mapping(address))
         wrong = st.builds(
             lambda address, bits: address[0] << 16 | address[1] << 8 | bits,
             st.sampled_from(list(self._entries)),
             st.sampled_from([0, 1, 8, 16, 32, 64]),
         )
-        return _mostly(st.sampled_from(mappable), wrong) if mappable else wrong
+        return _mostly(right, wrong)
 
     def _cob_ids(self) -> st.SearchStrategy[int]:
         can_ids = [0x80, 0x181, 0x185, 0x201, 0x205, 0x301, 0x401, 0x581, 0x700]
@@ -230,9 +239,11 @@ class Events:
         return self._some(lambda entry: entry.access.writable).flatmap(to)
 
     def _pdo(self) -> Event:
-        """A PDO is configured as CiA 301 has it: invalid, emptied, mapped, counted, valid again."""
+        """A PDO is configured as CiA 301 has it: invalid, emptied, mapped, counted, valid again. Then it may work."""
 
-        def configure(record: int, cob_id: int, type: int, times: tuple[int, int], entries: Sequence[int]) -> Lines:
+        def configure(
+            record: int, cob_id: int, type: int, times: tuple[int, int], entries: Sequence[int], then: Lines
+        ) -> Lines:
             mapping = record + 0x200
             writes = [
                 (record, 1, cob_id | NOT_VALID, 4),
@@ -243,11 +254,8 @@ class Events:
                 *((record, sub, time, 2) for sub, time in zip((3, 5), times, strict=True) if time),
                 (record, 1, cob_id, 4),
             ]
-            return [
-                line
-                for index, sub, value, size in writes
-                for line in download(self.node_id, index, sub, octets(value, size))
-            ]
+            lines = [download(self.node_id, index, sub, octets(value, size)) for index, sub, value, size in writes]
+            return [*(line for download in lines for line in download), *then]
 
         def of(record: int) -> Event:
             sent = record >= 0x1800
@@ -255,16 +263,29 @@ class Events:
             return st.builds(
                 configure,
                 st.just(record),
-                st.one_of(st.just(own), st.sampled_from([own, 0x181, 0x201, 0x205, 0x301])),
-                st.sampled_from([0, 1, 2, 3, 240, 0xFE, 0xFF, 0xFF]),
-                st.tuples(st.sampled_from([0, 0, 1, 7, 100]), st.sampled_from([0, 0, 1, 5, 1000])),
+                st.sampled_from([own, own | NO_REMOTE, own | NO_REMOTE, 0x181 | NO_REMOTE, 0x201, 0x205 | NO_REMOTE]),
+                st.sampled_from([0, 1, 2, 240, 0xFE, 0xFE, 0xFF, 0xFF]),
+                st.tuples(st.sampled_from([0, 1, 15, 100]), st.sampled_from([0, 0, 1, 5, 1000])),
                 st.lists(transmittable if sent else receivable, max_size=4),
+                st.one_of(st.just([]), self.traffic.map(lambda lines: [START, *lines])),
             )
 
         receivable = self._mappings(lambda direction: direction.receivable)
         transmittable = self._mappings(lambda direction: direction.transmittable)
         records = [index for index in self._indices if 0x1400 <= index < 0x1600 or 0x1800 <= index < 0x1A00]
         return st.sampled_from(records).flatmap(of) if records else self.write
+
+    def _traffic(self) -> Event:
+        """What happens in an application: quickly one thing after the other."""
+        can_ids = [base + self.node_id for base in (0x200, 0x300, 0x400, 0x500)]
+        rpdos = st.builds(rx, st.sampled_from([*can_ids, 0x201, 0x205, 0x301]), st.binary(min_size=1, max_size=8))
+        inputs = st.builds("IN {} {}".format, st.sampled_from(["digital", "analog0", "enable"]), st.integers(0, 3))
+        waits = st.sampled_from([100, 700, 1000, 1000, 5000, 10_000]).map("T {}".format)
+        one = st.one_of(st.just(SYNC), rpdos)
+        then = st.builds(lambda input, wait: [input, wait], inputs, waits)
+        return st.lists(st.one_of(one.map(lambda line: [line]), then), min_size=1, max_size=8).map(
+            lambda groups: [line for lines in groups for line in lines]
+        )
 
     def _store(self) -> Event:
         """Values are stored or restored; then the device may be reset, or power lost in the middle."""
@@ -276,7 +297,7 @@ class Events:
         ]
         if not places:
             return self.write
-        resets = [[], [], [rx(0, [0x81, 0])], [rx(0, [0x82, 0])], ["POWER cut", "POWER on"]]
+        resets = [[], [], ["RX 000 81 00"], ["RX 000 82 00"], ["POWER cut", "POWER on"]]
         write = st.sampled_from(places).map(
             lambda place: download(self.node_id, place[0], place[1], octets(place[2], 4))
         )

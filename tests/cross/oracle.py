@@ -139,14 +139,14 @@ class Oracle:
     def _default(self, item: Item, saved: dict[Address, bytes]) -> bytes:
         entry, default = item.entry, item.expanded.default
         known = {
-            "serial_number": self.serial,
+            "serial_number": self.serial or self._default_of("serial_number"),
             "node_id": self.node_id or self._default_of("node_id"),  # the configuration gives it
             "node_id_load": self.now_id,
             "can_bit_rate_load": self._stored("can_bit_rate", saved, self._default_of("can_bit_rate")),
         }
         if entry.role in known:
             return known[entry.role].to_bytes(item.size, "little")
-        value = default.value(self.now_id) if default else 0
+        value = default.value(self.now_id) if default else "" if entry.type is DataType.VISIBLE_STRING else 0
         if isinstance(value, str):
             return value.encode()
         return value.to_bytes(item.size, "little", signed=value < 0)

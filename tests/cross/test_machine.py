@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from random import Random
+from typing import TypeVar
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -23,7 +24,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from tests.cross.events import TIME_OUT, Event, Events, Lines, events_of
+from tests.cross.events import START, TIME_OUT, Events, Lines, events_of
 from tests.cross.library import CBench, StartC, start_c_fixture  # noqa: F401  (a fixture)
 from tests.cross.testee import Bench
 
@@ -36,11 +37,13 @@ STEPS = int(os.environ.get("CROSS_STEPS", "40"))
 
 WRAP = 0xFFFFFF00
 
+T = TypeVar("T")
+
 DUMPED = 24
 """Objects that are looked at after each event."""
 
 
-def drawn(choose: Callable[[Events], Event]) -> Event:
+def drawn(choose: Callable[[Events], st.SearchStrategy[T]]) -> st.SearchStrategy[T]:
     """What may happen to the device of the machine, under the node-ID that it has by then."""
     return st.runner().flatmap(lambda twins: choose(events_of(twins.device, twins.node_id)))
 
@@ -65,14 +68,15 @@ class Twins(RuleBasedStateMachine):
         serial=st.sampled_from([0, 0xFFFFFFFF]),
         time=st.sampled_from([0, WRAP]),
         seed=st.integers(0, 0xFFFF),
+        start=st.booleans(),
     )
-    def begin(self, node_id: int, serial: int, time: int, seed: int) -> None:
+    def begin(self, node_id: int, serial: int, time: int, seed: int, start: bool) -> None:
         options = {"node_id": node_id, "serial": serial, "time": time}
         self.c: CBench = type(self).start_c(self.device, **options)
         self.python: Bench = type(self).start_python(self.device, **options)
         self.random = Random(seed)
         self.told.append(f"options: {options}")
-        self.line("POWER on")
+        self.power_on(start)
 
     def line(self, line: str) -> None:
         """Both obey, and tell the same."""
@@ -114,9 +118,10 @@ class Twins(RuleBasedStateMachine):
         self.obey(lines)
 
     @precondition(lambda self: self.powered)
-    @rule(lines=drawn(lambda events: events.pdo))
-    def configure_pdo(self, lines: Lines) -> None:
-        self.obey(lines)
+    @rule(groups=drawn(lambda events: st.lists(events.pdo, min_size=1, max_size=3)))
+    def configure_pdos(self, groups: list[Lines]) -> None:
+        for lines in groups:
+            self.obey(lines)
 
     @precondition(lambda self: self.powered)
     @rule(lines=drawn(lambda events: events.nmt))
@@ -144,20 +149,23 @@ class Twins(RuleBasedStateMachine):
         self.obey(lines)
 
     @precondition(lambda self: self.powered)
-    @rule(cut=drawn(lambda events: events.cut), lines=drawn(lambda events: events.store))
-    def cut_in_the_middle(self, cut: Lines, lines: Lines) -> None:
-        """Power is lost at the k-th octet that is written; what happens then happens to nobody."""
-        self.obey([*cut, *lines])
+    @rule(lines=drawn(lambda events: events.traffic))
+    def traffic(self, lines: Lines) -> None:
+        self.obey(lines)
 
     @precondition(lambda self: self.powered)
-    @rule()
-    def cut(self) -> None:
-        self.line("POWER cut")
+    @rule(cut=drawn(lambda events: events.cut), lines=drawn(lambda events: events.store), now=st.booleans())
+    def lose_power(self, cut: Lines, lines: Lines, now: bool) -> None:
+        """At the k-th octet that is written; what happens after that happens to nobody."""
+        self.obey([*cut, *lines, *(["POWER cut"] if now else [])])
 
     @precondition(lambda self: not self.powered)
-    @rule()
-    def power_on(self) -> None:
-        self.line("POWER on")
+    @rule(start=st.booleans())
+    def power_again(self, start: bool) -> None:
+        self.power_on(start)
+
+    def power_on(self, start: bool) -> None:
+        self.obey(["POWER on", *([START] if start else [])])
 
     @precondition(lambda self: not self.powered)
     @rule(address=st.integers(0, 0x1000), octets=st.binary(min_size=1, max_size=4))
