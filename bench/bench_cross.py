@@ -15,16 +15,17 @@ from collections.abc import Callable
 from pathlib import Path
 
 from tests.cross.build import Build, build_library
+from tests.cross.devices import ROOT, device
 from tests.cross.library import CBench
 from tests.cross.scenario import Scenario, all_scenarios
 from tests.cross.testee import Bench
 
+from odsmith.backends.python import PythonBackend
 from odsmith.compile import compile_file
-from odsmith.model import Device
+from odsmith.render import write
 from odsmith.vocabulary import Vocabulary
 from odsmith_runtime.device import Config, Tables
 
-ROOT = Path(__file__).parent.parent
 WRAP = 0xFFFFFF00
 ENDING = ("DUMP 0000-FFFF", "NVM")
 
@@ -52,16 +53,16 @@ class Language:
 
 
 def languages(folder: Path) -> list[Language]:
-    """Compiles the C runtime for the devices of `generated`."""
+    """Compiles the C runtime for the devices of the scenarios."""
     vocabulary = compile_file(ROOT / "spec" / "cia" / "cia.yaml")
     assert isinstance(vocabulary, Vocabulary)
     libraries: dict[str, Path] = {}
     tables: dict[str, Tables] = {}
     for name in sorted({scenario.device for scenario in all_scenarios()}):
-        device = compile_file(ROOT / "spec" / f"{name}.yaml")
-        assert isinstance(device, Device)
-        libraries[name] = build_library(device, vocabulary, Build(), folder)
-        sys.path.insert(0, str(ROOT / "generated" / name / "python"))
+        model = device(name)
+        libraries[name] = build_library(model, vocabulary, Build(), folder)
+        write(PythonBackend().render(model), folder)
+        sys.path.insert(0, str(folder / name / "python"))
         tables[name] = Tables.of(importlib.import_module(name))
 
     def c(name: str, options: dict[str, int]) -> Answer:

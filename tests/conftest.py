@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from tests.cross import devices
 from tests.cross.build import Build, build_testee, shared_folder
 from tests.cross.driver import Testee
 from tests.cross.programs import write_python_testee
@@ -56,34 +57,32 @@ def tool() -> Callable[[str], str]:
     return find
 
 
-def _device(name: str) -> Device:
-    model = compile_file(ROOT / "spec" / name)
-    assert isinstance(model, Device)
-    return model
-
-
 @pytest.fixture(scope="session")
 def tmcm3230() -> Device:
-    return _device("tmcm3230.yaml")
+    return devices.device("tmcm3230")
 
 
 @pytest.fixture(scope="session")
 def tmcm6212() -> Device:
-    return _device("tmcm6212.yaml")
+    return devices.device("tmcm6212")
 
 
 @pytest.fixture(scope="session")
 def io_module() -> Device:
     """A device without axes."""
-    return _device("examples/io_module.yaml")
+    return devices.device("io_module")
 
 
 @pytest.fixture(scope="session")
 def toy() -> Device:
     """Two axes, no TPDO, no emergencies, hardly a default."""
-    model = compile_file(ROOT / "tests" / "golden" / "toy.yaml")
-    assert isinstance(model, Device)
-    return model
+    return devices.device("toy")
+
+
+@pytest.fixture(scope="session")
+def every_type() -> Device:
+    """Everything that the others lack: numbers of 1 and 64 bits in PDOs, texts that can be written, and more."""
+    return devices.device("every_type")
 
 
 @pytest.fixture(scope="session")

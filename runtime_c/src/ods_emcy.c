@@ -154,7 +154,6 @@ void ods_emcy_set_axis(ods_node_t *node, uint8_t axis, uint32_t conditions)
 
 void ods_emcy_reset(ods_node_t *node)
 {
-    node->emcy.first = 0;
     node->emcy.count = 0;
     ods_timer_stop(node, ODS_TIMER_EMCY);
     update_register(node);

@@ -85,7 +85,6 @@ static void start_life_time(ods_node_t *node)
 {
     const uint32_t time = (uint32_t)node->common->guard_time * node->common->life_time_factor;
     const uint32_t tick = ods_next_tick(node);
-    ods_timer_stop(node, ODS_TIMER_LIFE);
     if (time != 0u) {
         node->heartbeat.life_ticks = (tick - node->now == ODS_TICK_US) ? time - 1u : time;
         run_life_timer(node, tick);

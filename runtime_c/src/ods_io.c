@@ -21,7 +21,6 @@ static uint32_t lines(uint32_t count)
 void ods_io_reset(ods_node_t *node)
 {
     node->io.masked_outputs = 0;
-    node->work |= ODS_WORK_OUTPUT;
 }
 
 void ods_io_set(ods_node_t *node, ods_input_t input, uint8_t channel, uint32_t value)

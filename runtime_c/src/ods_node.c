@@ -34,7 +34,6 @@ static int is_tick_armed(const ods_node_t *node)
 static void tick(ods_node_t *node)
 {
     ods_timer_stop(node, ODS_TIMER_TICK);
-    node->deadlines[ODS_TIMER_TICK] = node->now + ODS_TICK_US;
     ods_io_tick(node);
     for (uint8_t axis = 0; axis < node->device->axes; axis++) {
         ods_axis_tick(node, axis);
@@ -115,7 +114,6 @@ static void catch_up(ods_node_t *node, uint32_t now)
         node->now = node->wake;
         work_off(node);
         finish(node);
-        node->wake = node->now; /* look again */
     }
     node->now = now;
 }
@@ -196,7 +194,6 @@ void ods_node_input(ods_node_t *node, uint32_t now, ods_input_t input, uint8_t c
     if (input != ODS_INPUT_ADDRESS) {
         ods_tick_arm(node);
     }
-    end_turn(node);
 }
 
 void ods_node_fault(ods_node_t *node, uint32_t now, uint8_t axis, ods_condition_t condition, int holds)
@@ -211,7 +208,6 @@ void ods_node_fault(ods_node_t *node, uint32_t now, uint8_t axis, ods_condition_
         ods_tick_arm(node);
     }
     node->axes[axis].faults = holds ? (node->axes[axis].faults | bit) : (node->axes[axis].faults & ~bit);
-    end_turn(node);
 }
 
 void ods_node_can(ods_node_t *node, uint32_t now, ods_can_t event)

@@ -77,24 +77,15 @@ const uint8_t *ods_od_octets(
 void ods_od_set_octets(
     const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, const uint8_t *octets, uint16_t length)
 {
-    const uint32_t kind = ref->entry->kind;
-    if (!ods_od_is_number(kind)) {
+    if (!ods_od_is_number(ref->entry->kind)) {
         const ods_od_text_t *const text = &od->texts[ref->entry->at];
         if (text->octets == NULL) {
             uint8_t *const place = values + od->bases[ref->instance] + text->at;
             memcpy(place, octets, length);
             memset(place + length, 0, (size_t)text->length - length);
         }
-    } else if (ods_od_is_long(kind)) {
-        if ((kind & ODS_CONST) == 0u) {
-            set_long_number(od, values, ref, octets);
-        }
-    } else {
-        uint32_t value = 0;
-        for (uint32_t n = 0; n < length; n++) {
-            value |= (uint32_t)octets[n] << (8u * n);
-        }
-        ods_od_set_number(od, values, ref->entry, ref->instance, value);
+    } else if ((ref->entry->kind & ODS_CONST) == 0u) {
+        set_long_number(od, values, ref, octets);
     }
 }
 

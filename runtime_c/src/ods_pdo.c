@@ -169,11 +169,13 @@ uint32_t ods_pdo_check_mapping(const ods_node_t *node, uint32_t instance, uint32
 
 /* ---- coming into force ------------------------------------------------------------------------------------------- */
 
-/* Whether an entry is a number of up to 4 octets in memory, and begins with an octet of the frame. */
-static int is_simple(uint32_t kind, uint32_t bit)
+/*
+ * Whether an entry is a number of up to 4 octets in memory. Where all of them are, each begins with an octet of the
+ * frame.
+ */
+static int is_simple(uint32_t kind)
 {
-    return ods_od_is_short(kind) && ((kind & ODS_CONST) == 0u) && ((kind & ODS_TYPE_MASK) != ODS_BOOL) &&
-           ((bit & 7u) == 0u);
+    return ods_od_is_short(kind) && ((kind & ODS_CONST) == 0u) && ((kind & ODS_TYPE_MASK) != ODS_BOOL);
 }
 
 /*
@@ -200,7 +202,7 @@ static uint32_t resolve_all(ods_node_t *node, uint32_t instance)
             return 0;
         }
         const uint32_t kind = found.entry->kind;
-        if (!is_simple(kind, bits)) {
+        if (!is_simple(kind)) {
             pdo->flags |= BITWISE;
         }
         ref->at = is_tpdo(node, instance) ? (uint16_t)(node->od->bases[found.instance] + found.entry->at)
@@ -591,9 +593,6 @@ static void transmit(ods_node_t *node, ods_tpdo_t *tpdo)
 
 void ods_pdo_transmit(ods_node_t *node)
 {
-    if (!is_operational(node)) {
-        node->changed = 0;
-    }
     if (!is_operational(node) || (node->can == (uint8_t)ODS_CAN_BUS_OFF)) {
         return;
     }

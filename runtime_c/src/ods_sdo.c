@@ -172,12 +172,7 @@ static void download_expedited(ods_node_t *node, const target_t *target, const o
     uint32_t abort = (length == room) ? 0u : ods_access_length(node, entry, length);
 
     if (abort == 0u) {
-        if (ods_od_is_number(entry->kind)) {
-            const uint32_t number = ods_get_32(&frame->data[4]) & (0xFFFFFFFFu >> (8u * (4u - length)));
-            abort = ods_access_write_number(node, entry, target->ref.instance, number);
-        } else {
-            abort = ods_access_write(node, &target->ref, &frame->data[4], (uint16_t)length);
-        }
+        abort = ods_access_write(node, &target->ref, &frame->data[4], (uint16_t)length);
     }
     if (abort == 0u) {
         answer_initiate(node, SERVER_DOWNLOAD, target, 0);
@@ -215,7 +210,7 @@ static uint32_t finish_download(ods_node_t *node, uint32_t length)
 {
     const target_t target = { node->sdo.ref, node->sdo.index, node->sdo.sub };
     uint32_t abort = ods_access_length(node, target.ref.entry, length);
-    if ((abort == 0u) && (node->sdo.sized != 0u) && (length != node->sdo.length)) {
+    if ((node->sdo.sized != 0u) && (length != node->sdo.length)) {
         abort = ODS_ABORT_TOO_SHORT;
     }
     node->sdo.address = address_of(&target);

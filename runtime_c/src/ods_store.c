@@ -82,9 +82,7 @@ static uint32_t owners(const ods_device_t *device)
 /* Whose groups decide about the values of an instance: those of PDOs belong to the device. */
 static uint32_t owner_of(const ods_od_t *od, uint32_t instance)
 {
-    const uint32_t first = od->scope_instances[ODS_SCOPE_AXIS];
-    const int is_axis = (instance >= first) && (instance < od->scope_instances[ODS_SCOPE_RPDO]);
-    return is_axis ? 1u + instance - first : DEVICE_OWNER;
+    return (instance < od->scope_instances[ODS_SCOPE_RPDO]) ? instance : DEVICE_OWNER;
 }
 
 static uint32_t scope_of(const ods_od_t *od, uint32_t instance)
@@ -298,6 +296,16 @@ static void write_values(ods_node_t *node, tape_t *to, const change_t *change)
     to->failed |= from.failed;
 }
 
+/* Whether the record in force cannot be read any more. A new one, which takes over parts of it, is not even begun. */
+static int is_lost(const ods_node_t *node, uint32_t size)
+{
+    tape_t tape = tape_at(node, bank_address(node->device, node->store.bank) + HEADER);
+    for (uint32_t n = 0; (node->store.bank != ODS_NONE) && (n < size); n++) {
+        (void)read_octet(&tape);
+    }
+    return tape.failed;
+}
+
 static uint32_t write_record(ods_node_t *node, const change_t *change)
 {
     const uint32_t size = payload_size(node->device);
@@ -309,6 +317,9 @@ static uint32_t write_record(ods_node_t *node, const change_t *change)
     tape_t payload = tape_at(node, at + HEADER);
     tape_t header = tape_at(node, at);
 
+    if (is_lost(node, size)) {
+        return ODS_ABORT_HARDWARE;
+    }
     for (uint32_t field = 0; field < 3u; field++) {
         for (uint32_t n = 0; n < octets[field]; n++) {
             payload.crc = crc_32(payload.crc, (uint8_t)(head[field] >> (8u * n)));

@@ -319,7 +319,7 @@ class Events:
             st.sampled_from([0, 0, 1, 5, 255]),
         )
         can = st.sampled_from(CAN_EVENTS).map("CAN {}".format)
-        memory = st.sampled_from(["NVM ok", "NVM ok", "NVM fail"])
+        memory = st.sampled_from(["NVM ok", "NVM ok", "NVM fail", "NVM fail 8", "NVM fail 20"])
         commands = st.sampled_from(["OS none", "OS 0", "OS 1 01 02", "OS 2", "OS 3 FF"])
         choices = [inputs, can, memory, commands]
         if self.device.axes:

@@ -66,7 +66,7 @@ def test_no_difference_is_known() -> None:
     assert not KNOWN
 
 
-@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy"])
+@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy", "every_type"])
 @settings(suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_dialogue(

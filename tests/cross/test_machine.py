@@ -32,7 +32,7 @@ from odsmith.model import Device
 
 pytestmark = pytest.mark.slow
 
-EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "40"))
+EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "10"))
 STEPS = int(os.environ.get("CROSS_STEPS", "40"))
 
 WRAP = 0xFFFFFF00
@@ -211,7 +211,7 @@ def _differing(c: list[str], python: list[str]) -> list[str]:
     return [line for mine, other in pairs for line in (f"C      {mine}", f"Python {other}")]
 
 
-@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy"])
+@pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy", "every_type"])
 def test_twins(name: str, start_c: StartC, start_python: Callable[..., Bench], request: pytest.FixtureRequest) -> None:
     class Twin(Twins):
         device = request.getfixturevalue(name)

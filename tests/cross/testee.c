@@ -23,6 +23,8 @@
 #define IMAGE_SIZE 0x10000u
 #define MAX_VALUE 256u
 #define MAX_STEP 0x40000000u
+#define NO_OCTET 0xFFFFFFFFu
+#define EVERY_OCTET 0xFFFFFFFEu
 
 /* Why a line is not obeyed; NULL is no reason. */
 typedef const char *nack_t;
@@ -59,7 +61,7 @@ typedef struct {
     uint32_t told; /* the instant that the reader knows of */
     uint32_t image_size; /* octets that the device uses */
     uint32_t writes_left; /* until power is lost; 0: it is not */
-    int memory_fails;
+    uint32_t dead; /* the octet of the memory that fails, or one of these: */
     uint8_t address;
     ods_os_status_t os_status;
     uint8_t os_reply[ODS_OS_COMMAND_SIZE];
@@ -148,6 +150,9 @@ static void send_frame(void *context, const ods_frame_t *frame)
 {
     testee_t *const bench = context;
 
+    if (frame->remote != 0u) {
+        broke(bench, "a remote frame with the CAN-ID", frame->id);
+    }
     if (begin_event(bench)) {
         say(bench, "TX %03X", (unsigned)frame->id);
         say_octets(bench, frame->data, frame->length);
@@ -213,12 +218,17 @@ static uint8_t *image_at(testee_t *bench, uint32_t address)
     return &bench->image[address];
 }
 
+static int fails_at(const testee_t *bench, uint32_t address)
+{
+    return (bench->dead == EVERY_OCTET) || (bench->dead == address);
+}
+
 static int read_memory(void *context, uint32_t address, uint8_t *octet)
 {
     testee_t *const bench = context;
 
     *octet = *image_at(bench, address);
-    return bench->memory_fails;
+    return fails_at(bench, address);
 }
 
 static int write_memory(void *context, uint32_t address, uint8_t octet)
@@ -226,7 +236,7 @@ static int write_memory(void *context, uint32_t address, uint8_t octet)
     testee_t *const bench = context;
     uint8_t *const place = image_at(bench, address);
 
-    if (bench->memory_fails) {
+    if (fails_at(bench, address)) {
         return 1;
     }
     if (bench->writes_left != 0u) {
@@ -490,7 +500,15 @@ static nack_t do_memory(testee_t *bench, const line_t *line)
     if (line->count == 1u) {
         tell_image(bench);
     } else if ((line->count == 2u) && (is_word(line, 1, "ok") || is_word(line, 1, "fail"))) {
-        bench->memory_fails = is_word(line, 1, "fail");
+        bench->dead = is_word(line, 1, "fail") ? EVERY_OCTET : NO_OCTET;
+    } else if (is_word(line, 1, "fail")) {
+        if ((line->count != 3u) || !read_hex(line->word[2], 1, 4, &address)) {
+            return MALFORMED;
+        }
+        if (address >= bench->image_size) {
+            return RANGE;
+        }
+        bench->dead = address;
     } else if (is_word(line, 1, "set")) {
         if ((line->count < 4u) || !read_hex(line->word[2], 1, 4, &address) || !read_octets(line, 3, 32, octets)) {
             return MALFORMED;
@@ -669,6 +687,7 @@ testee_t *testee_new(unsigned node_id, uint32_t serial, uint32_t time)
     bench->config.node_id = (uint8_t)node_id;
     bench->config.serial_number = serial;
     bench->now = time;
+    bench->dead = NO_OCTET;
     bench->port.context = bench;
     bench->port.send = send_frame;
     bench->port.output = set_output;

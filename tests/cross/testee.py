@@ -10,7 +10,7 @@ from __future__ import annotations
 import importlib
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 
 from odsmith_cia import CONDITIONS, AbortCode
 
@@ -50,7 +50,7 @@ class Bench(Port):
         self.told = now  # the instant that the reader knows of
         self.lines: list[str] = []
         self.writes_left = 0  # until power is lost; 0: it is not
-        self.memory_fails = False
+        self.dead: Container[int] = ()  # octets of the memory that fail
         self.address = 0
         self.os_answer: tuple[OsStatus, bytes] | None = None
         self.node = Node(tables, self, config)
@@ -87,12 +87,12 @@ class Bench(Port):
         return self.os_answer
 
     def nvm_read(self, address: int) -> int:
-        if self.memory_fails:
+        if address in self.dead:
             raise MemoryFailure
         return self.image[address]
 
     def nvm_write(self, address: int, octet: int) -> None:
-        if self.memory_fails:
+        if address in self.dead:
             raise MemoryFailure
         if self.writes_left:
             self.writes_left -= 1
@@ -202,7 +202,13 @@ class Bench(Port):
             for address in range(0, len(self.image), 32):
                 self.lines.append(_with_octets(f"NVM {address:04X}", self.image[address : address + 32]))
         elif words in (["ok"], ["fail"]):
-            self.memory_fails = words == ["fail"]
+            self.dead = range(len(self.image)) if words == ["fail"] else ()
+        elif words[0] == "fail":
+            _require(len(words) == 2)
+            address = _hex(words, 1, 1, 4)
+            if address >= len(self.image):
+                raise Nack("range")
+            self.dead = (address,)
         elif words[0] == "set":
             _require(len(words) >= 3)
             address = _hex(words, 1, 1, 4)
@@ -228,7 +234,8 @@ class Bench(Port):
         if words == ["on"]:
             if self.power == "on":
                 raise Nack("on")
-            self.node = Node(self.tables, self, self.config)
+            if self.power == "cut":
+                self.node = Node(self.tables, self, self.config)
             self.power = "on"
             self.writes_left = 0
             self.node.input(self.now, Input.ADDRESS, 0, self.address)

@@ -39,8 +39,7 @@ def write(node: Node, cell: Cell, octets: bytes) -> int:
     abort = _check_state(node, cell)
     if not abort and cell.is_number:
         number = cell.number(octets)
-        if cell.entry.allowed or cell.entry.signatures:
-            abort = cell.check(number)
+        abort = cell.check(number)
         if not abort and cell.instance.axis is None:
             abort, number = effect.check(node, cell, number)
             octets = (number & ((1 << 8 * cell.size) - 1)).to_bytes(cell.size, "little")

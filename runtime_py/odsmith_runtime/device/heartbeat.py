@@ -119,7 +119,6 @@ class Heartbeat:
         values, timers = self._node.values, self._node.timers
         time = values.guard_time * values.life_time_factor
         tick = timers.next_tick()
-        timers.stop("life")
         if time:
             self._life_ticks = time - 1 if tick - timers.now & MASK == TICK_US else time
             self._run_life_timer(tick)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from odsmith_cia.words import Condition
 
 from .port import Input, Output
-from .work import Work
 
 if TYPE_CHECKING:
     from ..identity import Identity
@@ -37,7 +36,6 @@ class Io:
     def reset(self) -> None:
         """As at power-on: no output is set."""
         self._masked = 0
-        self._node.work |= Work.OUTPUT
 
     def set(self, input: Input, channel: int, value: int) -> None:
         """An input has a new value."""

@@ -114,7 +114,6 @@ class Node:
         self.io.set(input, channel, value)
         if input is not Input.ADDRESS:
             self.timers.arm_tick()
-        self._end_turn()
 
     def fault(self, now: int, axis: int, condition: str, holds: bool) -> None:
         """The hardware of an axis reports that a condition holds or has ended. Acts at the next tick."""
@@ -128,7 +127,6 @@ class Node:
             faults.add(condition)
         else:
             faults.discard(condition)
-        self._end_turn()
 
     def report_can(self, now: int, event: Can) -> None:
         """The CAN controller changed its state, or something happened to it."""

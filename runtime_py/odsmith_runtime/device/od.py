@@ -36,6 +36,7 @@ class Cell:
         "_field",
         "_holder",
         "_kept",
+        "_limits",
         "_position",
         "_value",
         "entry",
@@ -51,6 +52,9 @@ class Cell:
         self.size = codec.size(entry.type)
         self.is_number = self.size > 0
         self.signed = codec.INTEGERS.get(entry.type, (0, False))[1]
+        self._limits = entry.allowed
+        if entry.type == "BOOLEAN" and not entry.allowed:
+            self._limits = ((0, 1),)  # it takes eight bits on the bus, so it always has a range
         self._holder: Values | None = instance.values if entry.role else None
         self._field = entry.role
         self._position: int | None = None
@@ -110,11 +114,11 @@ class Cell:
         if entry.signatures:
             known = any(number == signature for _, signature in entry.signatures)
             return 0 if known else AbortCode.NOT_STORED
-        if entry.allows(number):
+        if not self._limits or any(low <= number <= high for low, high in self._limits):
             return 0
         if entry.listed:
             return AbortCode.INVALID_VALUE
-        return AbortCode.VALUE_TOO_LOW if number < entry.allowed[0][0] else AbortCode.VALUE_TOO_HIGH
+        return AbortCode.VALUE_TOO_LOW if number < self._limits[0][0] else AbortCode.VALUE_TOO_HIGH
 
     def _default_octets(self, node_id: int) -> bytes:
         default = self.entry.stated_default

@@ -302,10 +302,7 @@ class Pdos:
     def transmit(self) -> None:
         """Send what is due, in ascending order."""
         node = self._node
-        if not self._is_operational:
-            node.changed.clear()
-            return
-        if node.can.is_off:
+        if not self._is_operational or node.can.is_off:
             return
         for tpdo in self._tpdos:
             concerned = tpdo.due or tpdo.pending or not tpdo.watched.isdisjoint(node.changed)

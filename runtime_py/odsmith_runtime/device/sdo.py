@@ -187,6 +187,6 @@ class Sdo:
         """The last segment is in: the value is complete."""
         assert self._cell is not None
         abort = access.check_length(self._cell, len(self._data))
-        if not abort and self._sized and len(self._data) != self._length:
+        if self._sized and len(self._data) != self._length:
             abort = AbortCode.TOO_SHORT
         return abort or access.write(self._node, self._cell, self._data)

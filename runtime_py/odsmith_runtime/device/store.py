@@ -107,7 +107,7 @@ class Store:
     @staticmethod
     def _in_range(cell: Cell, octets: bytes) -> bool:
         """A value that is no longer in its range keeps its default."""
-        return not (cell.is_number and cell.entry.allowed) or cell.check(cell.number(octets)) == 0
+        return not cell.is_number or cell.check(cell.number(octets)) == 0
 
     # ---- writing ---------------------------------------------------------------------------------------------------
 
