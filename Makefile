@@ -6,6 +6,8 @@
 # make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
 # make coverage            lines of the C runtime that the tests execute
 # make bench-cross         how much the two runtimes are held to each other, and how fast they answer
+# make mutants             every mutant of the runtimes and their tables has to be caught by what proves them equal
+# make mutants-sample      200 of them, always the same ones
 # make cross-long          C and Python on dialogues at random until CROSS_SECONDS are over; for ever
 # make fuzz, fuzz-short    events at random until FUZZ_SECONDS are over; for ever, or for one minute
 
@@ -17,7 +19,7 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint bench bench-c bench-cross sizes coverage cross-long fuzz fuzz-short clean
+.PHONY: all test fast lint bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long fuzz fuzz-short clean
 
 all: $(SET_UP)
 	$(BIN)/odsmith build
@@ -51,6 +53,12 @@ coverage: $(SET_UP)
 	ODSMITH_COVERAGE=$(CURDIR)/build/coverage $(BIN)/pytest -q -n auto tests/unit/runtime_c \
 	    tests/cross/test_scenarios.py tests/cross/test_protocol.py
 	$(BIN)/python bench/coverage_c.py build/coverage
+
+mutants: $(SET_UP)
+	$(BIN)/python -m tests.mutants
+
+mutants-sample: $(SET_UP)
+	$(BIN)/python -m tests.mutants --sample 200
 
 CROSS_SECONDS ?= 0
 CROSS_EXAMPLES ?= 200
