@@ -2,6 +2,7 @@
 # make test   set up, run every test
 # make fast   the quick tests only
 # make lint   style and types
+# make pictures            what the axes do, recorded and drawn anew
 # make bench  figures of speed and memory, beside the peers'
 # make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
 # make coverage            lines of the C runtime that the tests execute
@@ -19,7 +20,8 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long fuzz fuzz-short clean
+.PHONY: all test fast lint bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long fuzz fuzz-short \
+    pictures clean
 
 all: $(SET_UP)
 	$(BIN)/odsmith build
@@ -84,6 +86,9 @@ fuzz: $(SET_UP)
 
 fuzz-short: $(SET_UP)
 	$(BIN)/python tests/fuzz/fuzz.py --seconds 60
+
+pictures: $(SET_UP)
+	$(BIN)/python docs/motion/draw.py
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -33,6 +33,7 @@ HARNESS = {
     "rpdo": "call",
     "find": "find_nothing",
     "tick": "no_tick",
+    "motion": "no_tick",
 }
 """The case that holds nothing but the harness of another one."""
 
@@ -44,12 +45,17 @@ WHAT = {
     "rpdo": "RPDO of 6 octets",
     "tpdo": "SYNC and TPDO of 6 octets",
     "tick": "1 ms with nothing to do",
+    "motion": "1 ms of six moving axes",
     "code": "code of CiA 301",
     "state": "RAM of a node",
     "dictionary_flash": "dictionary in flash",
     "dictionary_ram": "dictionary in RAM",
     "values": "values in RAM",
 }
+
+
+RUNS = 5
+NS_PER_TICK = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -162,6 +168,13 @@ def print_footprint(folder: Path, figures: dict[str, dict[str, int]]) -> None:
         print_row(WHAT[name], size, str(size), figures[name])
 
 
+def print_speed(folder: Path) -> None:
+    """How much faster than the clock the node moves its axes, the best of some runs."""
+    counted = (run([folder / "host", "motion"]).split() for _ in range(RUNS))
+    best = max(int(operations) * NS_PER_TICK / float(nanoseconds) for operations, nanoseconds in counted)
+    print(f"  six moving axes run {best:,.0f} times as fast as in real time, the best of {RUNS} runs")
+
+
 def available(*programs: str) -> bool:
     missing = [program for program in programs if shutil.which(program) is None]
     if missing:
@@ -180,6 +193,7 @@ def main() -> int:
             version = subprocess.run(["gcc", "-dumpversion"], capture_output=True, text=True, check=True).stdout.strip()
             counts = count_on_host(folder)
             print_counts(f"This machine, gcc {version} -O2, instructions", counts, figures["host"], figures["harness"])
+            print_speed(folder)
         if available("arm-none-eabi-gcc", "qemu-system-arm"):
             counts = count_on_cortex_m4(folder)
             print_counts("Cortex-M4 -Os, instructions", counts, figures["cortex_m4"], figures["harness"])

@@ -37,7 +37,11 @@ MOST_GROWTH = 1.10
 POWER_ON = ("_defaults", "other_cob_ids", "node_ids", "areas")
 """Tables that hold power-on values rather than rows."""
 
-BEYOND_301 = ("ods_store", "ods_led", "ods_os_command")
+MOTION = tuple(
+    f"ods_{name}"
+    for name in ["axis", "cyclic", "encoder", "fsa", "homing", "limits", "mode", "motion", "motor", "ramp"]
+)
+BEYOND_301 = ("ods_store", "ods_led", "ods_os_command", *MOTION)
 """Files that the peers' figures have nothing like."""
 
 STATE = {

@@ -44,7 +44,7 @@ static void on_send(void *context, const ods_frame_t *frame)
     sent++;
 }
 
-static const ods_port_t port = { NULL, on_send, NULL, NULL, NULL, NULL, NULL };
+static const ods_port_t port = { .send = on_send };
 
 /* ---- functions that are called through a pointer ---------------------------------------------------------------- */
 
@@ -239,12 +239,17 @@ static void map(uint16_t communication, uint32_t can_id, uint32_t first, uint32_
     download(communication, 1, 0x40000000u | can_id, 4);
 }
 
+static void command(uint8_t code)
+{
+    const uint8_t octets[2] = { code, 0 };
+    ods_frame_t frame;
+    make_frame(&frame, 0, 2, octets);
+    ods_node_receive(&device.node, now, &frame);
+}
+
 static void start(void)
 {
-    static const uint8_t command[2] = { ODS_NMT_COMMAND_START, 0 };
-    ods_frame_t frame;
-    make_frame(&frame, 0, 2, command);
-    ods_node_receive(&device.node, now, &frame);
+    command(ODS_NMT_COMMAND_START);
     now += 1000000u;
     ods_node_advance(&device.node, now);
 }
@@ -257,7 +262,7 @@ static uint32_t prepare_rpdo(void)
     expected = 0;
     map(0x1400, 0x200u + device.node.id, 0x60400010u, 0x607A0020u, 0xFF);
     for (uint32_t n = 0; n < PDO_FRAMES; n++) {
-        const uint8_t data[6] = { 6, 0, (uint8_t)random_below(256), (uint8_t)n, 0, 0 };
+        const uint8_t data[6] = { 0, 0, (uint8_t)random_below(256), (uint8_t)n, 0, 0 };
         make_frame(&requests[n], 0x200u + device.node.id, 6, data);
     }
     start();
@@ -310,6 +315,52 @@ static uint32_t prepare_no_tick(void)
     return count;
 }
 
+/* ---- motion ------------------------------------------------------------------------------------------------------ */
+
+/* A six point move that takes longer than the case, with all its parameters. */
+static void set_out(uint16_t axis)
+{
+    const uint16_t motor = (uint16_t)(0x2000u + axis * 0x200u);
+    const uint16_t profile = (uint16_t)(0x6000u + axis * 0x800u);
+    download((uint16_t)(motor + 0x05u), 0, 3, 4); /* no limit switches */
+    download((uint16_t)(motor + 0x10u), 0, 1000, 4);
+    download((uint16_t)(motor + 0x11u), 0, 20000, 4);
+    download((uint16_t)(motor + 0x12u), 0, 10000, 4);
+    download((uint16_t)(motor + 0x13u), 0, 20000, 4);
+    download((uint16_t)(profile + 0x81u), 0, 51200, 4);
+    download((uint16_t)(profile + 0x82u), 0, 1000, 4);
+    download((uint16_t)(profile + 0x83u), 0, 51200, 4);
+    download((uint16_t)(profile + 0x84u), 0, 51200, 4);
+    download((uint16_t)(profile + 0x60u), 0, ODS_MODE_PROFILE_POSITION, 1);
+    operate_tick(0);
+    download((uint16_t)(profile + 0x7Au), 0, 0x7FFFFFFFu, 4);
+    download((uint16_t)(profile + 0x40u), 0, 0x06, 2);
+    download((uint16_t)(profile + 0x40u), 0, 0x0F, 2);
+    download((uint16_t)(profile + 0x40u), 0, 0x0F, 2);
+    download((uint16_t)(profile + 0x40u), 0, 0x1F, 2);
+}
+
+/* All axes speed up and cruise; nothing is sent. */
+static uint32_t prepare_motion(void)
+{
+    advance = ods_node_advance;
+    expected = 0;
+    command(ODS_NMT_COMMAND_ENTER_PRE_OPERATIONAL);
+    for (uint16_t axis = 0; axis < device.node.device->axes; axis++) {
+        set_out(axis);
+    }
+    operate_tick(0);
+    for (uint16_t axis = 0; axis < device.node.device->axes; axis++) {
+        const address_t statusword = { (uint16_t)(0x6041u + axis * 0x800u), 0 };
+        ods_frame_t request;
+        make_request(&request, 0x40, &statusword, nothing);
+        if (!answered(&request, 0x4B & 0xE3) || ((last.data[5] & 0x40u) == 0u)) {
+            expected = FAILED; /* bit 14: it moves */
+        }
+    }
+    return 2000;
+}
+
 /* ---- the cases --------------------------------------------------------------------------------------------------- */
 
 const bench_case_t bench_cases[] = {
@@ -323,6 +374,7 @@ const bench_case_t bench_cases[] = {
     { "tpdo", prepare_tpdo, operate_request },
     { "tick", prepare_tick, operate_tick },
     { "no_tick", prepare_no_tick, operate_tick },
+    { "motion", prepare_motion, operate_tick }, /* behind it no case finds the node at rest */
 };
 
 const uint32_t bench_case_count = sizeof bench_cases / sizeof bench_cases[0];

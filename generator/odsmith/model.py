@@ -365,7 +365,8 @@ class Emergency:
     """One row of the emergency table.
 
     `bytes` are the five manufacturer bytes of the frame (CAN data bytes 3..7); the element "axis" stands for the axis
-    number. `register` names bits of 1001h. `momentary` rows show in 1001h only while their frame is sent.
+    number. `register` names bits of 1001h. `momentary` rows show in 1001h only while their frame is sent. `driver_flag`
+    has the bit of the driver error flags that is set while the condition holds; 0: none.
     """
 
     name: str
@@ -376,6 +377,7 @@ class Emergency:
     condition: str
     reaction: str
     momentary: bool
+    driver_flag: int
     cause: str
     remedy: str
     source: tuple[Source, ...] = ()

@@ -228,6 +228,9 @@ rule("E420", "error", "role has too few elements", "More entries than the runtim
 rule("E421", "error", "role taken twice", "One value has one place in the dictionary.")
 rule("E422", "error", "NMT state of another value", "Only a choice of what an error does leads to an NMT state.")
 rule("E423", "error", "one choice, two NMT states", "A choice of error behaviour means the same for every error.")
+rule(
+    "E424", "error", "value that no driver takes", "A motor driver is told a 32 bit number and the index of its object."
+)
 rule("E431", "error", "PDO over 64 bits", "A CAN frame carries 8 bytes.")
 rule("E432", "error", "PDO with too many entries", "The device maps fewer entries per PDO.")
 rule("E433", "error", "mapping of what is not mappable", "The PDO could never carry this object.")

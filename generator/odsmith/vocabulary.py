@@ -31,11 +31,23 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class Named:
-    """A word of a vocabulary: an effect of writing, a storage group, a PDS event, an EMCY reaction."""
+    """A word of a vocabulary: a storage group, a PDS event, an EMCY reaction."""
 
     name: str
     text: str
     title: str = ""
+    source: tuple[Source, ...] = ()
+    place: Place = field(default=NOWHERE, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What writing an entry does. `to_driver`: the value is handed to the motor driver, by the index of its object."""
+
+    name: str
+    text: str
+    title: str = ""
+    to_driver: bool = False
     source: tuple[Source, ...] = ()
     place: Place = field(default=NOWHERE, compare=False, repr=False)
 
@@ -220,7 +232,7 @@ class Vocabulary:
     identifier: str
     title: str
     roles: Mapping[str, Role]
-    effects: Mapping[str, Named]
+    effects: Mapping[str, Effect]
     conditions: Mapping[str, Condition]
     reactions: Mapping[str, Named]
     register_bits: Mapping[str, RegisterBit]

@@ -49,7 +49,7 @@ static uint32_t written(ods_node_t *node, uint32_t instance, uint32_t effect, co
         ods_mark_changed(node, ods_entry_bit(entry));
     }
     if (effect >= (uint32_t)ODS_EFFECT_CONTROLWORD) {
-        ods_axis_written(node, instance, effect);
+        ods_axis_written(node, instance, effect, entry->at);
     } else if (effect != (uint32_t)ODS_EFFECT_VALUE) {
         ods_effect_apply(node, instance, effect);
     }

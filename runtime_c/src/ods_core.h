@@ -33,6 +33,20 @@
 #define ODS_COB_ID_GENERATE 0x40000000u /* of SYNC */
 #define ODS_COB_ID_RESERVED 0x3FFFF800u /* 29 bit CAN-IDs, which no node here has */
 
+/* The number of the lowest bit that is set; there has to be one. */
+static inline uint32_t ods_lowest_bit(uint32_t bits)
+{
+#if defined(__GNUC__) && (__SIZEOF_INT__ == 4)
+    return (uint32_t)__builtin_ctz(bits);
+#else
+    uint32_t number = 0;
+    while (((bits >> number) & 1u) == 0u) {
+        number++;
+    }
+    return number;
+#endif
+}
+
 /* ---- octets on the bus: little-endian ---------------------------------------------------------------------------- */
 
 #if defined(__BYTE_ORDER__) && (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)

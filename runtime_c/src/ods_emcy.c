@@ -17,6 +17,24 @@ uint32_t ods_emcy_check_cob_id(uint32_t cob_id)
     return usable ? 0u : ODS_ABORT_INVALID_VALUE;
 }
 
+static int is_fault(const ods_emergency_row_t *row)
+{
+    return (row->reaction == (uint8_t)ODS_REACTION_FAULT_RAMP) || (row->reaction == (uint8_t)ODS_REACTION_FAULT_OFF);
+}
+
+void ods_emcy_init(ods_node_t *node)
+{
+    for (uint32_t n = 0; n < node->device->emergency_count; n++) {
+        const ods_emergency_row_t *const row = &node->device->emergencies[n];
+        if (row->reaction == (uint8_t)ODS_REACTION_WARNING) {
+            node->emcy.warnings |= 1u << row->condition;
+        }
+        if (is_fault(row)) {
+            node->emcy.faults |= 1u << row->condition;
+        }
+    }
+}
+
 /* ---- queue ------------------------------------------------------------------------------------------------------- */
 
 static void push(ods_node_t *node, uint8_t row, uint8_t axis, uint32_t error_register)
@@ -146,7 +164,7 @@ void ods_emcy_set_axis(ods_node_t *node, uint8_t axis, uint32_t conditions)
         }
         push(node, n, axis, node->common->error_register);
         ods_axis_react(node, axis, row->reaction);
-        if ((row->reaction == (uint8_t)ODS_REACTION_FAULT_RAMP) || (row->reaction == (uint8_t)ODS_REACTION_FAULT_OFF)) {
+        if (is_fault(row)) {
             ods_nmt_error(node, ODS_NMT_APPLICATION_ERROR);
         }
     }
@@ -198,4 +216,16 @@ void ods_emcy_transmit(ods_node_t *node)
             ods_timer_start(node, ODS_TIMER_EMCY, node->now + inhibit_time);
         }
     }
+}
+
+uint8_t ods_emcy_driver_flags(const ods_node_t *node, uint32_t conditions)
+{
+    uint32_t flags = 0;
+    for (uint32_t n = 0; (conditions != 0u) && (n < node->device->emergency_count); n++) {
+        const ods_emergency_row_t *const row = &node->device->emergencies[n];
+        if (((conditions >> row->condition) & 1u) != 0u) {
+            flags |= row->driver_flag;
+        }
+    }
+    return (uint8_t)flags;
 }

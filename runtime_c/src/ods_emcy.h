@@ -9,6 +9,24 @@
 
 #include "ods/node.h"
 
+/* Learn from the table what conditions do. */
+void ods_emcy_init(ods_node_t *node);
+
+/* What the driver error flags (2102h) show of conditions: bit 1 << ods_condition_t. */
+uint8_t ods_emcy_driver_flags(const ods_node_t *node, uint32_t conditions);
+
+/* Whether a condition with the reaction of a warning is among these. */
+static inline int ods_emcy_is_warned(const ods_node_t *node, uint32_t conditions)
+{
+    return (conditions & node->emcy.warnings) != 0u;
+}
+
+/* Whether one of these conditions, or of those of the device, is a fault. */
+static inline int ods_emcy_has_fault_cause(const ods_node_t *node, uint32_t conditions)
+{
+    return ((conditions | node->emcy.conditions) & node->emcy.faults) != 0u;
+}
+
 /* Whether 1014h may be so: 0 or an abort code. */
 uint32_t ods_emcy_check_cob_id(uint32_t cob_id);
 

@@ -7,6 +7,7 @@
 #define STATE_MASK 0x7Fu
 #define LIFE_STEP 1000000u /* ticks that a timer may last */
 #define GUARDING 0x80u /* in `lost`: the master is missing */
+#define TIMERS (((1u << ODS_CONSUMERS) - 1u) << ODS_TIMER_CONSUMER_1 | 1u << ODS_TIMER_LIFE) /* bits of those here */
 
 ODS_STATIC_ASSERT(
     every_consumer_has_a_timer,
@@ -121,6 +122,9 @@ void ods_heartbeat_guard_written(ods_node_t *node)
 
 void ods_heartbeat_expire(ods_node_t *node)
 {
+    if ((node->armed & TIMERS) == 0u) {
+        return;
+    }
     for (uint32_t n = 0; n < ODS_CONSUMERS; n++) {
         if (ods_timer_due(node, ODS_TIMER_CONSUMER_1 + n)) {
             ods_timer_stop(node, ODS_TIMER_CONSUMER_1 + n);

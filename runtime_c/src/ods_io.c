@@ -1,7 +1,8 @@
 #include "ods_io.h"
 
-#include "ods_core.h"
+#include "ods_axis.h"
 #include "ods_emcy.h"
+#include "ods_motor.h"
 
 #define FIRST_BIT 16u /* INn and OUTn are bit 16 + n of their objects */
 #define ANALOG_MAX 0xFFFFu
@@ -21,11 +22,13 @@ static uint32_t lines(uint32_t count)
 void ods_io_reset(ods_node_t *node)
 {
     node->io.masked_outputs = 0;
+    node->io.is_new = 1;
 }
 
 void ods_io_set(ods_node_t *node, ods_input_t input, uint8_t channel, uint32_t value)
 {
     ods_io_t *const io = &node->io;
+    io->is_new = 1;
     if (input == ODS_INPUT_ADDRESS) {
         io->address = (value <= 0xFFu) ? (uint8_t)value : 0u;
     } else if (input == ODS_INPUT_ENABLE) {
@@ -60,7 +63,8 @@ static int sample_32(uint32_t *place, uint32_t value)
     return is_new;
 }
 
-void ods_io_tick(ods_node_t *node)
+/* Values follow the inputs. */
+static void sample(ods_node_t *node)
 {
     ods_device_values_t *const values = node->common;
     const ods_io_t *const io = &node->io;
@@ -76,7 +80,29 @@ void ods_io_tick(ods_node_t *node)
     if (is_new != 0) {
         ods_value_changed(node, ODS_DEVICE_INSTANCE);
     }
-    ods_emcy_set(node, ODS_CONDITION_SHUTDOWN_SWITCH, io->enable == 0u);
+}
+
+void ods_io_tick(ods_node_t *node)
+{
+    if (node->io.is_new == 0u) {
+        return;
+    }
+    node->io.is_new = 0;
+    sample(node);
+    for (uint32_t n = 0; n < node->device->axes; n++) {
+        ods_axis_wake(&node->axes[n]); /* axes show general inputs as well */
+    }
+    ods_emcy_set(node, ODS_CONDITION_SHUTDOWN_SWITCH, node->io.enable == 0u);
+}
+
+/* Outputs that feed brakes: OUTn that of axis n, while it is controlled automatically (200Ch). */
+static uint32_t brakes(const ods_node_t *node)
+{
+    uint32_t outputs = 0;
+    for (uint32_t n = 0; n < node->device->axes; n++) {
+        outputs |= (ods_motor_has_brake(&node->axes[n]) ? 1u : 0u) << n;
+    }
+    return outputs;
 }
 
 /*
@@ -93,7 +119,7 @@ static uint32_t digital_outputs(ods_node_t *node)
     for (uint32_t n = 0; n < BLOCKS; n++) {
         outputs |= (uint32_t)values->output_blocks[n] << (8u * n);
     }
-    return outputs & lines(node->device->digital_outputs);
+    return outputs & lines(node->device->digital_outputs) & ~brakes(node);
 }
 
 static void put(const ods_node_t *node, ods_output_t output, uint32_t channel, uint32_t value)

@@ -21,26 +21,11 @@
 
 /* ---- the order of things ----------------------------------------------------------------------------------------- */
 
-static int is_tick_armed(const ods_node_t *node)
-{
-    for (uint8_t axis = 0; axis < node->device->axes; axis++) {
-        if (ods_axis_is_armed(node, axis)) {
-            return 1;
-        }
-    }
-    return 0;
-}
-
 static void tick(ods_node_t *node)
 {
     ods_timer_stop(node, ODS_TIMER_TICK);
     ods_io_tick(node);
-    for (uint8_t axis = 0; axis < node->device->axes; axis++) {
-        ods_axis_tick(node, axis);
-    }
-    if (is_tick_armed(node)) {
-        ods_tick_arm(node);
-    }
+    ods_axis_tick_all(node);
 }
 
 /* Everything that is due at this instant. */
@@ -84,6 +69,7 @@ ODS_RARE static void finish(ods_node_t *node)
     if ((node->work & ODS_WORK_OUTPUT) != 0u) {
         ods_led_put(node, 0);
         ods_io_put(node, 0);
+        ods_axis_put_all(node);
     }
     node->work = 0;
 }
@@ -94,10 +80,9 @@ ODS_RARE static void finish(ods_node_t *node)
 static uint32_t earliest(const ods_node_t *node, uint32_t horizon)
 {
     uint32_t at = horizon;
-    for (uint32_t timer = 0; timer < (uint32_t)ODS_TIMERS; timer++) {
-        if (ods_timer_armed(node, timer) && ods_before(node->deadlines[timer], at)) {
-            at = node->deadlines[timer];
-        }
+    for (uint32_t armed = node->armed; armed != 0u; armed &= armed - 1u) {
+        const uint32_t deadline = node->deadlines[ods_lowest_bit(armed)];
+        at = ods_before(deadline, at) ? deadline : at;
     }
     return ods_pdo_earliest(node, at);
 }
@@ -207,7 +192,22 @@ void ods_node_fault(ods_node_t *node, uint32_t now, uint8_t axis, ods_condition_
         catch_up(node, now);
         ods_tick_arm(node);
     }
+    ods_axis_wake(&node->axes[axis]);
     node->axes[axis].faults = holds ? (node->axes[axis].faults | bit) : (node->axes[axis].faults & ~bit);
+}
+
+void ods_node_motor(ods_node_t *node, uint32_t now, uint8_t axis, const ods_motor_answer_t *answer)
+{
+    if (axis >= node->device->axes) {
+        return;
+    }
+    if (is_on(node)) {
+        catch_up(node, now);
+        ods_tick_arm(node);
+    }
+    ods_axis_wake(&node->axes[axis]);
+    node->axes[axis].answer = *answer;
+    end_turn(node);
 }
 
 void ods_node_can(ods_node_t *node, uint32_t now, ods_can_t event)
@@ -260,8 +260,9 @@ void ods_node_init(
     node->pdo.mapped = memory->mapped;
     node->io.enable = 1;
     for (uint8_t axis = 0; axis < device->axes; axis++) {
-        memset(&node->axes[axis], 0, sizeof node->axes[axis]);
+        ods_axis_init(node, axis);
     }
+    ods_emcy_init(node);
 }
 
 void ods_node_power_on(ods_node_t *node, uint32_t now)
@@ -277,9 +278,13 @@ void ods_node_power_on(ods_node_t *node, uint32_t now)
     for (uint32_t led = 0; led < (uint32_t)ODS_LEDS; led++) {
         node->leds[led].row = ODS_NONE;
     }
+    for (uint32_t axis = 0; axis < node->device->axes; axis++) {
+        node->axes[axis].outputs = 0;
+    }
     ods_nmt_reset_node(node);
     node->work &= (uint8_t)~ODS_WORK_OUTPUT;
     finish(node);
     ods_led_put(node, 1);
     ods_io_put(node, 1);
+    ods_axis_put_all(node);
 }

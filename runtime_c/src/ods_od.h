@@ -126,7 +126,7 @@ uint16_t ods_od_room(const ods_od_t *od, const ods_od_entry_t *entry);
 const uint8_t *ods_od_octets(
     const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, uint8_t number[8], uint16_t *length);
 
-/* Put octets of anything but a short number in place, as many as the entry takes: a text that is shorter ends with a 0. */
+/* Put octets of anything but a short number in place, as many as the entry takes: a shorter text ends with a 0. */
 void ods_od_set_octets(
     const ods_od_t *od, uint8_t *values, const ods_od_ref_t *ref, const uint8_t *octets, uint16_t length);
 

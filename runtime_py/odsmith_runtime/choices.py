@@ -82,3 +82,16 @@ class Word(StrEnum):
         member._value_ = value
         member.text = text
         return member
+
+
+class EffectWord(Word):
+    """The name of an effect; `to_driver` if the motor driver is told the value, by the index of its object."""
+
+    to_driver: bool
+
+    def __new__(cls, value: str, text: str = "", to_driver: bool = False) -> Self:
+        member = str.__new__(cls, value)
+        member._value_ = value
+        member.text = text
+        member.to_driver = to_driver
+        return member

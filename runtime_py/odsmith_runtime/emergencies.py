@@ -23,7 +23,8 @@ class Emergency(Row):
 
     `bytes` are the five manufacturer bytes of the frame, where "axis" stands for the number of the axis. `register`
     names the bits of the error register 1001h that the row sets, `register_mask` is their value. `momentary` rows show
-    in the register only while their frame is sent. `axis` is set in what `EmergencyTable.find` returns.
+    in the register only while their frame is sent. `driver_flag` is the bit of the driver error flags (2102h) that is
+    set while the condition holds, or 0. `axis` is set in what `EmergencyTable.find` returns.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Emergency(Row):
     condition: str
     reaction: str
     momentary: bool
+    driver_flag: int
     cause: str
     remedy: str
     source: str = ""

@@ -46,7 +46,7 @@ class Row:
 
 
 class Named(Row):
-    """A word and what it means: an effect of writing, a reaction, a storage group, an event."""
+    """A word and what it means: a reaction, a storage group, an event."""
 
     name: str
     title: str = ""

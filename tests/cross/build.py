@@ -19,6 +19,8 @@ from odsmith.vocabulary import Vocabulary
 HERE = Path(__file__).parent
 RUNTIME = HERE.parent.parent / "runtime_c"
 
+SIMULATION = RUNTIME / "port" / "simulation"
+
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Wundef", "-Werror")
 
 SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g")
@@ -61,6 +63,40 @@ def build_library(device: Device, vocabulary: Vocabulary, build: Build, folder: 
     return _build(device, vocabulary, build, folder, watched=False)
 
 
+def build_simulation(vocabulary: Vocabulary, build: Build, folder: Path) -> Path:
+    """The simulated hardware of an axis as a shared library, with what C alone knows of its struct."""
+
+    def make(home: Path) -> None:
+        write(CBackend().render(vocabulary), home)
+        (home / "size.c").write_text(_SIZE)
+        includes = (f"-I{place}" for place in (home / "cia" / "c", SIMULATION))
+        sources = (str(SIMULATION / "ods_simulation.c"), "size.c")
+        _compile(build, home, False, *includes, *sources, "-o", "simulation.so", "-shared")
+
+    return _once(folder, "simulation", (vocabulary.digest, build), make) / "simulation.so"
+
+
+_SIZE = """
+#include <stddef.h>
+#include "ods_simulation.h"
+size_t simulation_size(void);
+int64_t simulation_shaft(const ods_simulation_t *axis);
+void simulation_answer(const ods_simulation_t *axis, ods_motor_answer_t *answer);
+size_t simulation_size(void)
+{
+    return sizeof(ods_simulation_t);
+}
+int64_t simulation_shaft(const ods_simulation_t *axis)
+{
+    return axis->shaft;
+}
+void simulation_answer(const ods_simulation_t *axis, ods_motor_answer_t *answer)
+{
+    *answer = axis->answer;
+}
+"""
+
+
 def _build(device: Device, vocabulary: Vocabulary, build: Build, folder: Path, *, watched: bool) -> Path:
     def make_runtime(home: Path) -> None:
         """The objects of the runtime, which knows no device."""
@@ -72,12 +108,17 @@ def _build(device: Device, vocabulary: Vocabulary, build: Build, folder: Path, *
         name = device.identifier
         write(CBackend().render(device), home)
         (home / "condition_names.h").write_text("".join(_condition_names(vocabulary)))
-        sources = (*sorted((home / name / "c").glob("*.c")), HERE / "testee.c", *sorted(runtime.glob("*.o")))
+        sources = (
+            *sorted((home / name / "c").glob("*.c")),
+            HERE / ("testee.c" if watched else "library.c"),
+            SIMULATION / "ods_simulation.c",
+            *sorted(runtime.glob("*.o")),
+        )
         _compile(
             build,
             home,
             watched,
-            *(f"-I{place}" for place in (runtime / "cia" / "c", home / name / "c", home)),
+            *(f"-I{place}" for place in (runtime / "cia" / "c", home / name / "c", home, SIMULATION)),
             *(f'-DDEVICE_HEADER="{name}.h"', f"-DDEVICE_TYPE={name}_t", f"-DDEVICE_INIT={name}_init"),
             *map(str, sources),
             *("-o", product),

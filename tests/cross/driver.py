@@ -87,8 +87,17 @@ class Answer:
     @cached_property
     def outputs(self) -> list[tuple[int, str, int]]:
         """Changes of outputs: when, which, to what."""
+        words = [(at, line.split(" ")) for at, line in self.events]
+        return [(at, word[1], int(word[2])) for at, word in words if word[0] == "OUT" and len(word) == 3]
+
+    @cached_property
+    def parameters(self) -> list[tuple[int, int, int, int]]:
+        """What the motor drivers were told, after `TELL driver on`: when, axis, index on axis 0, value."""
+        words = [(at, line.split(" ")) for at, line in self.events]
         return [
-            (at, line.split(" ")[1], int(line.split(" ")[2])) for at, line in self.events if line.startswith("OUT ")
+            (at, int(word[1].removeprefix("axis").removesuffix(".parameter")), int(word[2], 16), int(word[3]))
+            for at, word in words
+            if word[0] == "OUT" and len(word) == 4
         ]
 
     def sent(self, can_id: int) -> list[bytes]:

@@ -10,9 +10,11 @@ from typing import TypeVar
 
 from hypothesis import strategies as st
 from tests.cross import expected
+from tests.cross.set_points import HOMING, LEVELS, RAMP, SET_POINTS, STARTS, SWITCHES, WORDS
 
 from odsmith.canopen_types import DataType, PdoDirection
 from odsmith.model import Device, Entry
+from odsmith_runtime.device.simulation import INPUTS, SUPPLY
 
 Lines = list[str]
 Address = tuple[int, int]
@@ -37,6 +39,16 @@ START, SYNC = "RX 000 01 00", "RX 080"
 
 TIME_OUT = 1_000_000
 """Microseconds after which the SDO server gives a transfer up."""
+
+
+_waits = st.one_of(st.sampled_from([1000, 3000, 10_000, 30_000, 100_000]), st.integers(1, 500_000)).map(
+    lambda us: [f"T {us}"]
+)
+"""Time that an axis has."""
+
+
+def _joined(groups: Iterable[Lines]) -> Lines:
+    return [line for lines in groups for line in lines]
 
 
 def rx(can_id: int, data: Iterable[int]) -> str:
@@ -69,8 +81,13 @@ def upload(node_id: int, index: int, sub: int, segments: int) -> Lines:
 
 
 def _mostly(usual: st.SearchStrategy[T], seldom: st.SearchStrategy[T]) -> st.SearchStrategy[T]:
-    """One in eight is of the seldom ones. (`one_of` leaves out what it is given twice.)"""
-    return st.integers(0, 7).flatmap(lambda number: seldom if number == 7 else usual)
+    """One in eight is of the seldom ones."""
+    return _one_of(*[usual] * 7, seldom)
+
+
+def _one_of(*choices: st.SearchStrategy[T]) -> st.SearchStrategy[T]:
+    """All as likely as each other. (`one_of` takes its choices apart, and leaves out what it is given twice.)"""
+    return st.integers(0, len(choices) - 1).flatmap(lambda number: choices[number])
 
 
 class Events:
@@ -83,6 +100,9 @@ class Events:
             (item.index, item.entry.sub): item.entry for item in expected.entries(device)
         }
         self._indices = [obj.index for obj in device.expanded]
+        self._places: dict[str, list[Address]] = {}  # of a role, in each axis
+        for address, entry in self._entries.items():
+            self._places.setdefault(entry.role, []).append(address)
 
         self.nmt = self._nmt()
         self.sdo_frame = self._sdo_frame()
@@ -93,12 +113,15 @@ class Events:
         self.pdo = self._pdo()
         self.store = self._store()
         self.time = self._time()
+        self.motion = self._motion()
+        self.departure = _one_of(st.just([]), self.motion)  # what may come first
+        self.command = self._command()
         self.bench = self._bench()
         self.power = st.sampled_from([["POWER cut"], ["POWER on"]])
         self.cut = st.one_of(st.integers(1, 40), st.integers(1, 3000)).map(lambda writes: [f"POWER cut {writes}"])
         self.disturbed = st.one_of(self.read, self.write, self.pdo, self.store).flatmap(self._disturb)
 
-        self.lively = st.one_of(
+        calm = st.one_of(
             self.sdo_frame,
             self.frame,
             self.time,
@@ -111,6 +134,7 @@ class Events:
             self.nmt,
             self.bench,
         )
+        self.lively = _one_of(calm, calm, self.motion, self.command)
         """All but what takes the power away, which nothing survives that comes later."""
 
         self.anything = _mostly(self.lively, st.one_of(self.cut, self.power))
@@ -303,6 +327,95 @@ class Events:
         )
         return st.builds(lambda first, then: [*first, *then], write, st.sampled_from(resets))
 
+    def _put(self, axis: int, name: str, values: st.SearchStrategy[int]) -> Event:
+        """A value for a role of an axis; nothing where the device has no such value."""
+        if name not in self._places:
+            return st.just([])
+        address = self._places[name][axis]
+        size = expected.size(self._entries[address])
+        return values.map(lambda value: download(self.node_id, *address, octets(value, size)))
+
+    def _axes(self) -> st.SearchStrategy[int]:
+        """One axis more often than the others."""
+        return _one_of(st.just(0), st.integers(0, len(self._places["controlword"]) - 1))
+
+    def _words(self, axis: int, *controlwords: int) -> Event:
+        return st.tuples(*(self._put(axis, "controlword", st.just(word)) for word in controlwords)).map(_joined)
+
+    def _set(self, axis: int, names: Iterable[str]) -> Event:
+        return st.tuples(*(self._put(axis, name, SET_POINTS[name]) for name in names)).map(_joined)
+
+    def _motion(self) -> Event:
+        """An axis is prepared, moves, as far as that depends on its master, and things happen to it on its way."""
+
+        def journey(axis: int, mode: int, *start: int) -> Event:
+            return st.tuples(
+                st.one_of(st.just([]), self._scenery(axis)),
+                st.lists(self._parameter(axis), max_size=3).map(_joined),
+                self._set(axis, RAMP),
+                self._put(axis, "modes_of_operation", st.just(mode)),
+                self._put(axis, "homing_method", methods) if mode == HOMING else st.just([]),
+                st.sampled_from([[], ["T 1000"], [START]]),
+                self._words(axis, 0x80, 6, 7, 0xF),
+                st.sampled_from([["T 1000"], ["T 20000"], []]),
+                self._set(axis, ("target_position", "target_velocity")),
+                self._words(axis, *start),
+                _waits,
+                st.lists(st.tuples(self._incident(axis), _waits).map(_joined), max_size=8).map(_joined),
+            ).map(_joined)
+
+        if "controlword" not in self._places:
+            return self.write
+        methods = st.sampled_from([method.method for method in self.device.homing_methods] or [0])
+        return st.tuples(self._axes(), st.sampled_from(STARTS)).flatmap(lambda drawn: journey(drawn[0], *drawn[1]))
+
+    def _command(self) -> Event:
+        """An axis is commanded and gets new set-points, whatever it does, and things happen to it."""
+
+        def change(axis: int) -> Event:
+            one = st.tuples(self._incident(axis), st.one_of(st.just([]), _waits)).map(_joined)
+            return st.lists(one, min_size=1, max_size=6).map(_joined)
+
+        return self._axes().flatmap(change) if "controlword" in self._places else self.write
+
+    def _parameter(self, axis: int) -> Event:
+        return st.sampled_from(sorted(SET_POINTS)).flatmap(lambda name: self._set(axis, [name]))
+
+    def _incident(self, axis: int) -> Event:
+        """What may happen to an axis on its way."""
+        words = self._put(axis, "controlword", st.sampled_from(WORDS))
+        modes = self._set(axis, ["modes_of_operation", "target_position", "target_velocity"])
+        condition = st.sampled_from([name for name, each in self.device.conditions.items() if each.scope == "axis"])
+        faults = st.builds("FAULT axis{} {} {}".format, st.just(axis), condition, st.sampled_from(["on", "off"]))
+        stops = st.sampled_from(["RX 000 02 00", "RX 000 80 00", START, START, "RX 000 81 00", "RX 000 82 00"])
+        enable = st.sampled_from(["IN enable 0", "IN enable 1", "IN enable 1"])
+        hardware = self._hardware(axis)
+        line = _mostly(_one_of(hardware, hardware, faults), _one_of(stops, enable)).map(lambda line: [line])
+        return _one_of(words, words, self._parameter(axis), modes, line, line)
+
+    def _scenery(self, axis: int) -> Event:
+        """Switches on the way of an axis, and an encoder that counts like the one that 608Fh is told of."""
+        encoder = self._put(axis, "encoder_increments", st.just(400)).map(
+            lambda lines: [f"IN axis{axis}.increments 400", *lines]
+        )
+
+        def stands(name: str) -> Event:
+            return SWITCHES[name].map(lambda at: [f"IN axis{axis}.{name} {at}"])
+
+        return st.tuples(*map(stands, SWITCHES), st.one_of(st.just([]), encoder)).map(_joined)
+
+    def _hardware(self, axis: int) -> st.SearchStrategy[str]:
+        """Inputs of the simulated hardware."""
+
+        def put(name: str) -> st.SearchStrategy[str]:
+            limits = INPUTS[name]
+            near = st.integers(max(limits.low, -2000), min(limits.high, 2000))
+            likely = st.sampled_from([limits.initial, *LEVELS.get(name, ())])
+            line = f"IN {SUPPLY}" if name == SUPPLY else f"IN axis{axis}.{name}"
+            return _mostly(st.one_of(near, likely), st.integers(limits.low, limits.high)).map(lambda v: f"{line} {v}")
+
+        return st.sampled_from(list(INPUTS)).flatmap(put)
+
     def _time(self) -> Event:
         steps = st.one_of(
             st.sampled_from([1, 100, 500, 999, 1000, 1001, 5000, 100_000, 1_000_000]),
@@ -330,7 +443,9 @@ class Events:
                 st.sampled_from(conditions),
                 st.sampled_from(["on", "on", "off"]),
             )
-            choices.append(faults)
+            hardware = st.integers(0, self.device.axes - 1).flatmap(self._hardware)
+            tell = st.sampled_from(["TELL driver on", "TELL driver off"])
+            choices += [faults, hardware, tell]
         return st.one_of(choices).map(lambda line: [line])
 
     def _disturb(self, lines: Lines) -> Event:
@@ -376,7 +491,7 @@ def events_of(device: Device, node_id: int) -> Events:
 
 def dialogues(device: Device, node_id: int) -> st.SearchStrategy[Lines]:
     """Lines from power-on to a dump of everything."""
-    happening = st.lists(events_of(device, node_id).anything, min_size=5, max_size=40)
-    return happening.map(
-        lambda groups: ["POWER on", *(line for group in groups for line in group), "DUMP 0000-FFFF", "NVM"]
+    events = events_of(device, node_id)
+    return st.tuples(events.departure, st.lists(events.anything, min_size=5, max_size=40).map(_joined)).map(
+        lambda groups: ["POWER on", *_joined(groups), "DUMP 0000-FFFF", "NVM"]
     )

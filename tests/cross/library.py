@@ -24,6 +24,7 @@ _FFI.cdef("""
     testee_t *testee_new(unsigned node_id, uint32_t serial, uint32_t time);
     const char *testee_answer(testee_t *testee, const char *line);
     void testee_free(testee_t *testee);
+    void testee_controlwords(testee_t *testee, uint8_t axis, uint32_t *results);
 """)
 
 
@@ -33,6 +34,7 @@ class CBench:
     def __init__(self, path: Path, *, node_id: int = 0, serial: int = 0, time: int = 0) -> None:
         library = _FFI.dlopen(str(path))
         self._ask = library.testee_answer
+        self._try_controlwords = library.testee_controlwords
         testee = library.testee_new(node_id, serial, time)
         assert testee != _FFI.NULL, "no memory, or the image is too small"
         self._testee = _FFI.gc(testee, library.testee_free)
@@ -42,6 +44,12 @@ class CBench:
         text = self._ask(self._testee, b"" if "\0" in line else line.encode())
         assert text != _FFI.NULL, "the C runtime is broken: see the standard error output"
         return _FFI.string(text).decode("ascii").splitlines()  # type: ignore[no-any-return]
+
+    def controlwords(self, axis: int) -> list[int]:
+        """What each of them would make of an axis: its statusword, and in bit 16 whether its motor has current then."""
+        results = _FFI.new("uint32_t[]", 0x10000)
+        self._try_controlwords(self._testee, axis, results)
+        return list(results)
 
 
 StartC = Callable[..., CBench]

@@ -1,21 +1,26 @@
 """What a device must answer to SDO requests, worked out from its model and the contract alone.
 
 A third opinion beside the two runtimes, with which it shares no code, so that a mistake which both make does not pass.
-It knows the values written so far, what was saved, the NMT state and the running transfer; its axes rest. Comments
-quote the section of CONTRACT.md, or the effect of writing in the specification, that a rule stands in.
+It knows the values written so far, what was saved, the NMT state, the running transfer and what axis.py says of the
+axes. Comments quote the section of CONTRACT.md, or the effect of writing in the specification, that a rule stands in.
 
-A `Dialogue` is a list of lines for testees together with what this judge expects of each.
+A `Dialogue` is a list of lines for testees together with what this judge expects of each. Where an axis moves, it says
+nothing of values that follow the motion, and ends by reset node what the motion decides: axis.py says what that is.
 """
 
 from __future__ import annotations
 
+import re
 import subprocess
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from pathlib import Path
 
+from tests.cross.axis import FAULTS, Astray, Axis
+
 from odsmith.canopen_types import DataType
-from odsmith.model import Device, Entry, ExpandedEntry, ExpandedObject
+from odsmith.model import Device, Emergency, Entry, ExpandedEntry, ExpandedObject
 
 Address = tuple[int, int]
 """Index and sub-index."""
@@ -24,6 +29,8 @@ RESTRICTED = ((0x000, 0x07F), (0x101, 0x180), (0x581, 0x5FF), (0x601, 0x67F), (0
 """CAN-IDs that no COB-ID may name (CiA 301, 7.3.5)."""
 
 TIME_OUT_US = 1_000_000
+
+TICK_US = 1000
 
 START, STOP, PRE_OPERATIONAL, RESET_NODE, RESET_COMMUNICATION = 1, 2, 128, 129, 130
 
@@ -59,11 +66,13 @@ class Item:
 
 @dataclass
 class Transfer:
-    """A segmented transfer; `data` is what is still to be sent, or what has come so far."""
+    """A segmented transfer; `data` is what is still to be sent, `unknown` its bits that nobody knows; or what has come
+    so far."""
 
     item: Item
     upload: bool
     data: bytes = b""
+    unknown: bytes = b""
     room: int = 0
     told: bool = False
     toggle: int = 0
@@ -72,7 +81,11 @@ class Transfer:
 
 @dataclass
 class Oracle:
-    """One node. `node_id` 0 leaves the choice to the specification; `now_id` is the node-ID in force."""
+    """One node. `node_id` 0 leaves the choice to the specification; `now_id` is the node-ID in force.
+
+    Methods that obey an event raise Astray where what comes next depends on a motion; only reset node and power-on lead
+    out of that. `unknown` are the bits that nobody knows of the last answer.
+    """
 
     device: Device
     node_id: int = 0
@@ -85,16 +98,25 @@ class Oracle:
     saved: dict[tuple[int | None, str], dict[Address, bytes]] = field(default_factory=dict)
     transfer: Transfer | None = None
     last: Address = (0, 0)
+    unknown: bytes = bytes(8)
+    now: int = 0  # microseconds since power-on
+    is_enabled: bool = True  # the enable input
+    conditions: frozenset[str] = frozenset()  # of the whole device
+    next_nmt: str = ""  # where an error leads at the end of the turn
 
     def __post_init__(self) -> None:
         self.items: dict[Address, Item] = {}
         self.places: dict[str, list[Item]] = {}
+        self.axes = [Axis(self.device, self, number) for number in range(self.device.axes)]
+        self.parts: dict[tuple[int, str], Item] = {}  # of axes, by their roles
         self.codes = {abort.name: abort.code for abort in self.device.abort_codes}
         for obj in self.device.expanded:
             for expanded in obj.entries:
                 item = Item(obj, expanded)
                 self.items[item.address] = item
                 self.places.setdefault(expanded.entry.role, []).append(item)
+                if item.owner is not None:
+                    self.parts[item.owner, item.entry.role] = item
         self.indices = {index for index, _ in self.items}
         # an entry of a PDO finds the others by what they are: its COB-ID, its mapping
         self.pdos: dict[tuple[int, int], dict[str, list[Item]]] = {}
@@ -106,6 +128,10 @@ class Oracle:
 
     def power_on(self) -> None:
         self.last = (0, 0)
+        self.now = 0
+        self.is_enabled = True
+        for axis in self.axes:
+            axis.faults, axis.has_run = frozenset(), False
         self.reset(communication_only=False)
 
     def command(self, code: int) -> None:
@@ -113,28 +139,102 @@ class Oracle:
         if code in (RESET_NODE, RESET_COMMUNICATION):
             self.reset(communication_only=code == RESET_COMMUNICATION)
         else:
-            self.nmt = {START: "operational", STOP: "stopped"}.get(code, "pre_operational")
-            if self.nmt == "stopped":
-                self.transfer = None
+            self.enter({START: "operational", STOP: "stopped"}.get(code, "pre_operational"))
+
+    def enter(self, state: str) -> None:
+        was, self.nmt = self.nmt, state
+        if state == "stopped" != was:
+            self.transfer = None
+            for axis in self.axes:
+                axis.network_stopped()
 
     def reset(self, *, communication_only: bool) -> None:
         """Stored or default values (contract, "NMT and error control"); what cannot be read is not in force."""
-        self.nmt, self.transfer = "pre_operational", None
+        self.nmt, self.next_nmt, self.transfer = "pre_operational", "", None
         saved = (
             {} if self.memory_fails else {at: octets for group in self.saved.values() for at, octets in group.items()}
         )
         if not communication_only:
             self.now_id = self._stored("node_id", saved, self.node_id or self._default_of("node_id") or 1)
+            self.conditions = frozenset()
+            for axis in self.axes:
+                axis.reset()
         for at, item in self.items.items():
             if not communication_only or 0x1000 <= at[0] < 0x2000:
                 self.values[at] = saved.get(at, self._default(item, saved))
+        self.show_conditions()
 
     def advance(self, us: int) -> bytes | None:
-        """Time passes: 1 s without a segment ends a transfer."""
-        if not self.transfer:
-            return None
-        self.transfer.left -= us
-        return self._abort(self.transfer.item.address, "timeout") if self.transfer.left <= 0 else None
+        """Time passes: 1 s without a segment ends a transfer, before the tick of that instant."""
+        end, limit = self.now + us, self.transfer.left if self.transfer else us + 1
+        self.tick((self.now + min(limit - 1, us)) // TICK_US)
+        sent = None
+        if self.transfer:
+            self.transfer.left -= us
+            sent = self._abort(self.transfer.item.address, "timeout") if self.transfer.left <= 0 else None
+        self.tick(end // TICK_US)
+        self.now = end
+        return sent
+
+    def tick(self, last: int) -> None:
+        """All ticks since power-on up to this one; those after which nothing changes any more are all alike."""
+        before = None
+        for tick in range(self.now // TICK_US + 1, last + 1):
+            self.now = tick * TICK_US
+            self._sample()
+            for axis in self.axes:
+                axis.tick()
+            self.show_conditions()
+            self._follow_error()
+            after = [vars(axis).copy() for axis in self.axes], self.nmt
+            if after == before:
+                break
+            before = after
+        self.now = max(self.now, last * TICK_US)
+
+    def _sample(self) -> None:
+        """The enable input, which all axes have in common."""
+        before, self.conditions = self.conditions, frozenset(() if self.is_enabled else ("shutdown_switch",))
+        for row in self.device.emergencies:
+            if row.condition in self.conditions - before and row.reaction in FAULTS:
+                for axis in self.axes:
+                    axis.fault(off=row.reaction == "fault_off")
+
+    def raised(self, row: Emergency) -> None:
+        """1029h:02 says where a fault of an axis leads, from OPERATIONAL only (contract, "NMT and error control")."""
+        places = self.places.get("error_behaviour", [])
+        if row.reaction in FAULTS and self.nmt == "operational" and len(places) > 1:
+            state = self.device.error_behaviour.get(self._number(places[1]))
+            self.next_nmt = state.name if state else self.next_nmt
+
+    def _follow_error(self) -> None:
+        if self.next_nmt:
+            state, self.next_nmt = self.next_nmt, ""
+            self.enter(state)
+
+    def show_conditions(self) -> None:
+        """1001h."""
+        self._set("error_register", bytes([self._register(self.conditions.union(*(a.conditions for a in self.axes)))]))
+
+    def _register(self, conditions: frozenset[str]) -> int:
+        bits = self.device.register_bits
+        rows = (row for row in self.device.emergencies if not row.momentary and row.condition in conditions)
+        return sum({1 << bits[name].bit for row in rows for name in row.register})
+
+    # ---- what axes ask for -------------------------------------------------------------------------------------------
+
+    def get(self, axis: int, role: str) -> int:
+        item = self.parts.get((axis, role))
+        if item is None:
+            return 0
+        return int.from_bytes(self.values[item.address], "little", signed=item.entry.type.signed)
+
+    def put(self, axis: int, role: str, value: int) -> None:
+        item = self.parts.get((axis, role))
+        if item is not None:
+            self.values[item.address] = value.to_bytes(item.size, "little", signed=value < 0)
+
+    # ---- defaults ----------------------------------------------------------------------------------------------------
 
     def _default(self, item: Item, saved: dict[Address, bytes]) -> bytes:
         entry, default = item.entry, item.expanded.default
@@ -163,6 +263,7 @@ class Oracle:
 
     def answer(self, frame: bytes) -> bytes | None:
         """What comes back for a frame to the server, if anything."""
+        self.unknown = bytes(8)
         if len(frame) != 8 or self.nmt == "stopped":
             return None
         command, at = frame[0], (int.from_bytes(frame[1:3], "little"), frame[3])
@@ -207,15 +308,18 @@ class Oracle:
 
     def _upload(self, at: Address) -> bytes:
         item = self.find(at)
-        data = self.read(item)
+        data, unknown = self.read(item), self.unknown_of(item)
         if 0 < len(data) <= 4:
+            self.unknown = bytes(4) + unknown.ljust(4, b"\0")
             return _frame(0x43 | (4 - len(data)) << 2, at, data)
-        self._begin(Transfer(item, upload=True, data=data))
+        self._begin(Transfer(item, upload=True, data=data, unknown=unknown))
         return _frame(0x41, at, len(data).to_bytes(4, "little"))
 
     def _upload_segment(self, command: int) -> bytes:
         transfer = self._running(command, upload=True)
         part, transfer.data = transfer.data[:7], transfer.data[7:]
+        unknown, transfer.unknown = transfer.unknown[:7], transfer.unknown[7:]
+        self.unknown = bytes(1) + unknown.ljust(7, b"\0")
         if not transfer.data:
             self.transfer = None
         return bytes([command & 0x10 | (7 - len(part)) << 1 | (not transfer.data), *part.ljust(7, b"\0")])
@@ -269,9 +373,19 @@ class Oracle:
             raise Refused("write_only")
         if self.mode("tmcl_mode") and item.owner is not None:
             raise Refused("device_state")
-        if item.entry.role == "statusword":
-            return self._statusword()
+        if item.owner is not None and item.entry.role == "statusword":
+            return self.axes[item.owner].statusword()[0].to_bytes(2, "little")
         return self.values[item.address]
+
+    def unknown_of(self, item: Item) -> bytes:
+        """The bits of its value that nobody knows."""
+        bits = 0
+        if item.owner is not None:
+            bits = self.axes[item.owner].unknown(item.entry.role)
+        elif item.entry.role == "error_register":
+            sure = self.conditions.union(*(axis.conditions for axis in self.axes))
+            bits = self._register(sure.union(*(axis.doubtful for axis in self.axes))) & ~self._register(sure)
+        return (bits & (1 << 8 * item.size) - 1).to_bytes(item.size, "little")
 
     def write(self, item: Item, data: bytes) -> None:
         """Access and length are in order: the present state, the value, what its effect refuses; then it counts."""
@@ -307,11 +421,15 @@ class Oracle:
                 self._set("os_status", bytes([status]))
                 self._set("os_reply", reply.ljust(7, b"\0") if status in (1, 3) else bytes(7))
         self.values[item.address] = data
+        if item.owner is not None:
+            self.axes[item.owner].written(entry.role)
 
     def _check_state(self, item: Item) -> None:
         entry, relaxed = item.entry, self.mode("manufacturer_mode")
-        forbidden = self.mode("tmcl_mode") and item.owner is not None
-        forbidden |= bool(entry.writable_in) and "switch_on_disabled" not in entry.writable_in
+        forbidden = False
+        if item.owner is not None:
+            state = self.axes[item.owner].state
+            forbidden = self.mode("tmcl_mode") or bool(entry.writable_in and state not in entry.writable_in)
         if entry.effect == "os_command":
             forbidden = not self.mode("tmcl_mode")
         if entry.effect in ("pdo_mapped_count", "pdo_mapping") and not relaxed:
@@ -407,11 +525,6 @@ class Oracle:
         for item in self.places.get(role, ()):
             self.values[item.address] = octets
 
-    def _statusword(self) -> bytes:
-        """Switch on disabled; the supply is there (bit 4); remote (bit 9), which TMCL mode is not."""
-        state = next(state for state in self.device.pds_states if state.name == "switch_on_disabled")
-        return (state.value | 0x0010 | (0 if self.mode("tmcl_mode") else 0x0200)).to_bytes(2, "little")
-
 
 def _require(condition: bool, name: str) -> None:
     if not condition:
@@ -454,12 +567,32 @@ class Dialogue:
         self.oracle.power_on()
 
     def nmt(self, code: int) -> None:
-        self.say(f"RX 000 {code:02X} {self.oracle.now_id:02X}")
-        self.oracle.command(code)
+        now_id = self.oracle.now_id
+        try:
+            self.oracle.command(code)
+        except Astray:
+            code = RESET_NODE
+            self.oracle.command(code)
+        self.say(f"RX 000 {code:02X} {now_id:02X}")
 
     def advance(self, us: int) -> None:
-        sent = self.oracle.advance(us)
-        self.say(f"T {us}", *([self._tx(sent)] if sent else []))
+        try:
+            sent = self.oracle.advance(us)
+        except Astray:
+            self.nmt(RESET_NODE)
+        else:
+            self.say(f"T {us}", *([self._tx(sent)] if sent else []))
+
+    def fault(self, axis: int, condition: str, *, holds: bool) -> None:
+        """The hardware reports it."""
+        self.say(f"FAULT axis{axis} {condition} {'on' if holds else 'off'}")
+        faults = self.oracle.axes[axis].faults
+        self.oracle.axes[axis].faults = faults | {condition} if holds else faults - {condition}
+
+    def enable(self, is_enabled: bool) -> None:
+        """The enable input."""
+        self.say(f"IN enable {is_enabled:d}")
+        self.oracle.is_enabled = is_enabled
 
     def memory(self, *, fails: bool) -> None:
         self.say("NVM fail" if fails else "NVM ok")
@@ -473,7 +606,11 @@ class Dialogue:
     def sdo(self, frame: bytes) -> bytes:
         """A frame to the server; gives what the oracle answers."""
         line = f"RX {0x600 + self.oracle.now_id:03X} {_hex(frame)}".rstrip()
-        answer = self.oracle.answer(frame)
+        try:
+            answer = self.oracle.answer(frame)
+        except Astray:
+            self.nmt(RESET_NODE)
+            return b""
         self.say(line, *([self._tx(answer)] if answer else []))
         return answer or b""
 
@@ -497,15 +634,21 @@ class Dialogue:
             self.sdo(bytes([toggle | (7 - len(part)) << 1 | (not data), *part.ljust(7, b"\0")]))
             toggle ^= 0x10
 
+    def write(self, axis: int, role: str, value: int) -> None:
+        """Download a number to an entry of an axis."""
+        item = self.oracle.parts[axis, role]
+        self.download(item.address, value.to_bytes(item.size, "little", signed=value < 0))
+
     def dump(self) -> None:
         """Everything as it reads now."""
-        self.say(
-            "DUMP 0000-FFFF",
-            *(
-                f"OD {index:04X}:{sub:02X} {_hex(value) if isinstance(value, bytes) else f'ABORT {value:08X}'}".rstrip()
-                for (index, sub), value in self.oracle.dump()
-            ),
-        )
+        self.say("DUMP 0000-FFFF", *(self._od(at, value) for at, value in self.oracle.dump()))
+
+    def _od(self, at: Address, value: bytes | int) -> str:
+        if isinstance(value, int):
+            text = f"ABORT {value:08X}"
+        else:
+            text = _hex(value, self.oracle.unknown_of(self.oracle.items[at]))
+        return f"OD {at[0]:04X}:{at[1]:02X} {text}".rstrip()
 
     def played_by(self, program: Path) -> Iterator[list[str]]:
         """What a testee answers to the lines; it gets all of them at once."""
@@ -528,14 +671,15 @@ class Dialogue:
         """Where a testee says something else than the oracle: the lines before, and both; nothing if nowhere."""
         for number, (expected, answer) in enumerate(zip(self.expected, answers, strict=True)):
             told = [line for line in answer if _concerns(line)]
-            if told != expected:
-                odd = [f"  expected {line}" for line in expected if line not in told]
-                odd += [f"  told {line}" for line in told if line not in expected]
+            if len(told) != len(expected) or not all(map(_agree, expected, told)):
+                pairs = zip_longest(expected, told, fillvalue="nothing")
+                differing = [(mine, line) for mine, line in pairs if not _agree(mine, line)]
+                odd = [text for mine, line in differing for text in (f"  expected {mine}", f"  told {line}")]
                 return "\n".join([*(f"> {line}" for line in self.lines[max(0, number - 12) : number + 1]), *odd[:20]])
         return ""
 
     def _tx(self, frame: bytes) -> str:
-        return f"TX {0x580 + self.oracle.now_id:03X} {_hex(frame)}"
+        return f"TX {0x580 + self.oracle.now_id:03X} {_hex(frame, self.oracle.unknown)}"
 
 
 def _concerns(line: str) -> bool:
@@ -543,5 +687,20 @@ def _concerns(line: str) -> bool:
     return line.startswith(("OD ", "NACK ")) or (line.startswith("TX ") and 0x580 < int(line[3:6], 16) < 0x600)
 
 
-def _hex(octets: bytes) -> str:
-    return octets.hex(" ").upper()
+def _agree(expected: str, told: str) -> bool:
+    return expected == told or ("[" in expected and re.fullmatch(expected, told) is not None)
+
+
+def _hex(octets: bytes, unknown: bytes = b"") -> str:
+    """Octets as the testees tell them; a digit of which not all bits are known is a set of digits."""
+    if not any(unknown):
+        return octets.hex(" ").upper()
+    return " ".join(
+        "".join(_digit(octet >> shift & 0xF, bits >> shift & 0xF) for shift in (4, 0))
+        for octet, bits in zip(octets, unknown, strict=True)
+    )
+
+
+def _digit(digit: int, unknown: int) -> str:
+    digits = "".join(f"{other:X}" for other in range(16) if not (other ^ digit) & ~unknown)
+    return digits if len(digits) == 1 else f"[{digits}]"

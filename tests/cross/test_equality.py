@@ -25,7 +25,8 @@ from odsmith.model import Device
 
 pytestmark = pytest.mark.slow
 
-WRAP = 0xFFFFFF00
+WRAP, WRAP_IN_MOTION = 0xFFFFFF00, 0xFFFE0000
+"""Clocks that are about to wrap: at once, or when an axis may have begun to move."""
 
 KNOWN: dict[str, str] = yaml.safe_load((SCENARIOS.parent / "divergences.yaml").read_text()) or {}
 
@@ -75,7 +76,7 @@ def test_any_dialogue(
     device: Device = request.getfixturevalue(name)
     node_id = data.draw(st.sampled_from([1, 5, 127]), "node-ID")
     lines = data.draw(events.dialogues(device, node_id), "lines")
-    clock = data.draw(st.sampled_from([0, WRAP]), "clock")
+    clock = data.draw(st.sampled_from([0, WRAP, WRAP_IN_MOTION]), "clock")
     in_c = start_c(device, node_id=node_id, time=clock)
     difference = first_difference(lines, in_c, start_python(device, node_id=node_id, time=clock))
     assert not difference, difference

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from tests.cross.expected import power_on_value
 from tests.cross.oracle import PRE_OPERATIONAL, RESET_COMMUNICATION, RESET_NODE, START, STOP, Dialogue, Item
+from tests.cross.situations import ALL, STALL, UP, Situation
 from tests.cross.testee import Bench
 
 from odsmith.canopen_types import PdoDirection
@@ -211,6 +212,69 @@ def storage(dialogue: Dialogue) -> None:
     dialogue.dump()
 
 
+def every_state(dialogue: Dialogue) -> None:
+    """In each situation of an axis its entries are written with what they hold, modes change, and its state ends."""
+    oracle = dialogue.oracle
+    ends: tuple[Callable[[], None], ...] = (
+        lambda: dialogue.nmt(STOP),
+        lambda: dialogue.enable(False),
+        lambda: dialogue.fault(axis, "overtemperature", holds=True),
+    )
+    for axis in (0, oracle.device.axes - 1):
+        statusword = oracle.parts[axis, "statusword"].address
+        display = oracle.parts[axis, "modes_of_operation_display"].address
+        for situation in ALL:
+            reach(dialogue, situation, axis)
+            for item in oracle.items.values():
+                if item.owner == axis and item.entry.access.writable and item.entry.role != "controlword":
+                    dialogue.download(item.address, oracle.values[item.address])
+            for mode in oracle.device.modes:
+                dialogue.write(axis, "modes_of_operation", mode.code)
+                for at in (display, statusword):
+                    dialogue.upload(at)
+                dialogue.advance(1000)
+                for at in (display, statusword):
+                    dialogue.upload(at)
+            dialogue.dump()
+            for end in ends:
+                reach(dialogue, situation, axis)
+                dialogue.write(axis, "brake_delay_times_apply", 2)
+                end()
+                dialogue.upload(statusword)
+                for _ in range(4):
+                    dialogue.advance(1000)
+                    dialogue.upload(statusword)
+                dialogue.nmt(PRE_OPERATIONAL)
+                dialogue.upload(statusword)
+            dialogue.dump()
+
+
+def faults(dialogue: Dialogue) -> None:
+    """Each fault of the hardware, in and out of OPERATION ENABLED, with each reaction of the network to errors."""
+    oracle = dialogue.oracle
+    behaviour = [item.address for item in oracle.places["error_behaviour"]][1]
+    names = [name for name, condition in oracle.device.conditions.items() if condition.scope == "axis"]
+    for state in (0, 1, 2):
+        for name in names:
+            for steps in ((), UP):
+                dialogue.nmt(RESET_NODE)
+                dialogue.nmt(START)
+                write(dialogue, behaviour, state)
+                for role, value in steps:
+                    dialogue.write(0, role, value)
+                dialogue.advance(1000)
+                for holds in (True, False):
+                    dialogue.fault(0, name, holds=holds)
+                    dialogue.upload(oracle.parts[0, "statusword"].address)
+                    dialogue.advance(1000)
+                    dialogue.dump()
+                    dialogue.nmt(PRE_OPERATIONAL)
+                    dialogue.write(0, "controlword", 0x80)
+                    dialogue.upload(oracle.parts[0, "statusword"].address)
+                    dialogue.write(0, "controlword", 0x06)
+                    dialogue.upload(oracle.parts[0, "statusword"].address)
+
+
 def transfers(dialogue: Dialogue) -> None:
     """What goes wrong in a transfer, whatever its entry: toggle bits, time, segments that nobody asked for."""
     oracle = dialogue.oracle
@@ -235,7 +299,7 @@ def transfers(dialogue: Dialogue) -> None:
 
 
 QUICK = (every_value, tmcl_mode)
-SLOW = (every_length, every_mapping, every_pdo, storage, transfers)
+SLOW = (every_state, faults, every_length, every_mapping, every_pdo, storage, transfers)
 SUBJECTS = (*QUICK, *SLOW)
 
 
@@ -243,6 +307,16 @@ def relax(dialogue: Dialogue, signature: str) -> None:
     """Manufacturer mode on (`make`) or off (`kill`)."""
     oracle = dialogue.oracle
     write(dialogue, oracle.places["manufacturer_mode"][0].address, oracle.device.signatures[signature].value)
+
+
+def reach(dialogue: Dialogue, situation: Situation, axis: int) -> None:
+    """From anywhere."""
+    dialogue.enable(True)
+    for name in (STALL, "overtemperature"):
+        dialogue.fault(axis, name, holds=False)
+    dialogue.nmt(RESET_NODE)
+    dialogue.advance(1000)
+    situation.play(dialogue, axis)
 
 
 def order(dialogue: Dialogue, command: Item) -> None:

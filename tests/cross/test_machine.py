@@ -32,10 +32,11 @@ from odsmith.model import Device
 
 pytestmark = pytest.mark.slow
 
-EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "10"))
+EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "25"))
 STEPS = int(os.environ.get("CROSS_STEPS", "40"))
 
-WRAP = 0xFFFFFF00
+CLOCKS = [0, 0xFFFFFF00, 0xFFFE0000, 0xFFF00000]
+"""At the beginning; it may be about to wrap: at once, or when an axis may have begun to move."""
 
 T = TypeVar("T")
 
@@ -46,6 +47,15 @@ DUMPED = 24
 def drawn(choose: Callable[[Events], st.SearchStrategy[T]]) -> st.SearchStrategy[T]:
     """What may happen to the device of the machine, under the node-ID that it has by then."""
     return st.runner().flatmap(lambda twins: choose(events_of(twins.device, twins.node_id)))
+
+
+def beginnings() -> st.SearchStrategy[tuple[int, Lines]]:
+    """A configured node-ID, 0 being that of the specification, and lines with which an axis sets out, or none."""
+    return st.runner().flatmap(
+        lambda twins: st.sampled_from([0, 1, 5, 127]).flatmap(
+            lambda node_id: st.tuples(st.just(node_id), events_of(twins.device, node_id or 1).departure)
+        )
+    )
 
 
 class Twins(RuleBasedStateMachine):
@@ -64,19 +74,21 @@ class Twins(RuleBasedStateMachine):
         self.indices = [obj.index for obj in self.device.expanded]
 
     @initialize(
-        node_id=st.sampled_from([0, 1, 5, 127]),
+        beginning=beginnings(),
         serial=st.sampled_from([0, 0xFFFFFFFF]),
-        time=st.sampled_from([0, WRAP]),
+        time=st.sampled_from(CLOCKS),
         seed=st.integers(0, 0xFFFF),
         start=st.booleans(),
     )
-    def begin(self, node_id: int, serial: int, time: int, seed: int, start: bool) -> None:
+    def begin(self, beginning: tuple[int, Lines], serial: int, time: int, seed: int, start: bool) -> None:
+        node_id, lines = beginning
         options = {"node_id": node_id, "serial": serial, "time": time}
         self.c: CBench = type(self).start_c(self.device, **options)
         self.python: Bench = type(self).start_python(self.device, **options)
         self.random = Random(seed)
         self.told.append(f"options: {options}")
         self.power_on(start)
+        self.obey(lines)
 
     def line(self, line: str) -> None:
         """Both obey, and tell the same."""
@@ -140,7 +152,7 @@ class Twins(RuleBasedStateMachine):
 
     @rule(lines=drawn(lambda events: events.bench))
     def bench(self, lines: Lines) -> None:
-        """Inputs, faults, events of the CAN controller, memory that fails, answers to OS commands."""
+        """Inputs, hardware, faults, events of the CAN controller, memory that fails, answers to OS commands."""
         self.obey(lines)
 
     @precondition(lambda self: self.powered)
@@ -152,6 +164,24 @@ class Twins(RuleBasedStateMachine):
     @rule(lines=drawn(lambda events: events.traffic))
     def traffic(self, lines: Lines) -> None:
         self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.motion))
+    def motion(self, lines: Lines) -> None:
+        """An axis sets out, and things happen to it on its way."""
+        self.obey(lines)
+
+    @precondition(lambda self: self.powered)
+    @rule(lines=drawn(lambda events: events.command))
+    def command(self, lines: Lines) -> None:
+        """Controlwords, set-points, switches, faults, whatever an axis does."""
+        self.obey(lines)
+
+    @precondition(lambda self: self.next not in ("-", "0") and int(self.next) <= 1000)
+    @rule(ms=st.integers(1, 500))
+    def go_on(self, ms: int) -> None:
+        """Ticks; most likely an axis moves."""
+        self.line(f"T {ms * 1000}")
 
     @precondition(lambda self: self.powered)
     @rule(cut=drawn(lambda events: events.cut), lines=drawn(lambda events: events.store), now=st.booleans())

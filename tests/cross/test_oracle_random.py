@@ -1,4 +1,4 @@
-"""SDO dialogues that nobody wrote, PDOs set up in any order among them.
+"""SDO dialogues that nobody wrote, PDOs set up in any order and axes driven by anybody among them.
 
 C, Python and the oracle agree on each answer, and on every value in the end.
 """
@@ -10,8 +10,10 @@ from collections.abc import Callable
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.cross.events import octets
 from tests.cross.library import StartC, start_c_fixture  # noqa: F401  (a fixture)
 from tests.cross.oracle import PRE_OPERATIONAL, RESET_COMMUNICATION, RESET_NODE, START, STOP, Address, Dialogue, Item
+from tests.cross.set_points import RAMP, SET_POINTS, STARTS, WORDS
 from tests.cross.testee import Bench
 
 from odsmith.canopen_types import PdoDirection
@@ -40,6 +42,21 @@ def write(item: Item, value: int) -> Step:
     return download(item.address, (value & ((1 << 8 * item.size) - 1)).to_bytes(item.size, "little"))
 
 
+def put(axis: int, role: str, value: int) -> Step:
+    """Nothing where the device has no such entry."""
+
+    def play(dialogue: Dialogue) -> None:
+        item = dialogue.oracle.parts.get((axis, role))
+        if item is not None:
+            dialogue.download(item.address, octets(value, item.size))
+
+    return play
+
+
+def wait(us: int) -> Step:
+    return lambda dialogue: dialogue.advance(us)
+
+
 def send(frame: bytes) -> Step:
     def play(dialogue: Dialogue) -> None:
         dialogue.sdo(frame)
@@ -52,6 +69,7 @@ class Words:
 
     def __init__(self, device: Device) -> None:
         oracle = Dialogue(device).oracle
+        self.axes, self.conditions = device.axes, device.conditions
         self.items = list(oracle.items.values())
         self.pdos = list(oracle.pdos.values())
         signatures = [signature.value for signature in device.signatures.values()]
@@ -74,7 +92,44 @@ class Words:
         self.some_item = st.one_of(*(st.sampled_from(pool) for pool in (self.items, communication, commands)))
 
     def step(self) -> Steps:
-        return st.one_of(self._pdo(), self._pdo(), self._write(), self._write(), self._odd_write(), self._other())
+        return st.one_of(self._pdo(), self._write(), self._write(), self._odd_write(), self._other(), *self.axis())
+
+    def axis(self) -> list[Steps]:
+        """Axes up and down their state machine, in any mode, with set-points, delays, faults, and time."""
+        axes = st.sampled_from([0, 0, 0, self.axes - 1])
+        waits = st.one_of(st.sampled_from([1000, 1000, 1000, 5000]), st.integers(1, 500_000)).map(wait)
+
+        def some(role: str) -> Steps:
+            return st.builds(put, axes, st.just(role), SET_POINTS[role])
+
+        def begin(axis: int, start: tuple[int, ...], values: dict[str, int]) -> list[Step]:
+            """In the order in which a master does it."""
+            given = [put(axis, role, value) for role, value in values.items()]
+            words = [put(axis, "controlword", word) for word in start[1:]]
+            return [put(axis, "modes_of_operation", start[0]), wait(1000), *up(axis), *given, *words, wait(1000)]
+
+        def up(axis: int) -> list[Step]:
+            return [put(axis, "controlword", word) for word in (0x80, 6, 0xF)]
+
+        roles = (*RAMP, "homing_method", "target_position", "target_velocity")
+        values = st.fixed_dictionaries({role: SET_POINTS[role] for role in roles})
+        starts = st.builds(begin, axes, st.sampled_from(STARTS), values)
+        faults = st.builds(
+            lambda axis, name, holds: lambda told: told.fault(axis, name, holds=holds),
+            axes,
+            st.sampled_from([name for name, condition in self.conditions.items() if condition.scope == "axis"]),
+            st.sampled_from([True, False, False]),
+        )
+        word = st.builds(put, axes, st.just("controlword"), st.sampled_from(WORDS))
+        value = st.sampled_from(sorted(SET_POINTS)).flatmap(some)
+        module = st.one_of(
+            faults,
+            st.sampled_from([True, True, False]).map(lambda holds: lambda told: told.enable(holds)),
+            st.sampled_from([0, 1, 2]).map(lambda state: download((0x1029, 2), bytes([state]))),
+            st.sampled_from([START, START, STOP]).map(lambda code: lambda told: told.nmt(code)),
+        )
+        several = st.lists(st.one_of(word, value, some("modes_of_operation"), waits), min_size=2, max_size=6)
+        return [st.one_of(axes.map(up), several, starts).map(_all), word, value, waits, module]
 
     def _write(self) -> Steps:
         """Any entry, with a value that may be in order; commands mostly with their signature."""
@@ -117,11 +172,7 @@ class Words:
             if twice < len(steps):
                 steps.insert(twice, steps[-1])
 
-            def play(dialogue: Dialogue) -> None:
-                for step in steps:
-                    step(dialogue)
-
-            return play
+            return _all(steps)
 
         pdo = st.sampled_from(self.pdos[:2] + self.pdos)
         off = st.one_of(st.just(0xC0000201), COB_IDS)
@@ -158,6 +209,14 @@ class Words:
             st.builds(lambda s, reply: lambda told: told.callback(s, reply), st.integers(0, 3), st.binary(max_size=7)),
             st.just(Dialogue.power),
         )
+
+
+def _all(steps: list[Step]) -> Step:
+    def play(dialogue: Dialogue) -> None:
+        for step in steps:
+            step(dialogue)
+
+    return play
 
 
 def _limits(item: Item) -> list[st.SearchStrategy[int]]:

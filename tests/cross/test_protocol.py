@@ -11,6 +11,7 @@ from tests.cross.expected import code, places
 
 from odsmith.model import Device
 from odsmith.vocabulary import Vocabulary
+from odsmith_runtime.device.simulation import INPUTS
 
 pytestmark = pytest.mark.slow
 
@@ -49,6 +50,11 @@ MALFORMED = [
     "IN address",
     "IN Address 1",
     "IN address 1 2",
+    "IN address --1",
+    "IN address +1",
+    "IN address -",
+    "IN axis0.shaft -12345678901",
+    "IN axis0.Left 1",
     "FAULT axis0 stall",
     "FAULT 0 stall on",
     "FAULT axis stall on",
@@ -68,6 +74,11 @@ MALFORMED = [
     "OS",
     "OS none 1",
     "OS 1 00 00 00 00 00 00 00 00",
+    "TELL",
+    "TELL driver",
+    "TELL driver ON",
+    "TELL driver on off",
+    "TELL motor on",
     "POWER",
     "POWER off",
     "POWER cut 1 1",
@@ -90,10 +101,26 @@ OUT_OF_RANGE = [
     "T 1073741825",
     "T 9999999999",
     "IN address 256",
+    "IN address -1",
     "IN enable 2",
+    "IN enable -1",
+    "IN digital -1",
     "IN digital 4294967296",
     "IN analog8 0",
     "IN button 1",
+    "IN axis6.left 1",
+    "IN axis4294967296.left 1",
+    "IN axis.left 1",
+    "IN axis0 1",
+    "IN axis0.button 1",
+    "IN axis0.left.left 1",
+    "IN axis0.supply 1",
+    "IN left 1",
+    *(
+        f"IN {'' if name == 'supply' else 'axis0.'}{name} {value}"
+        for name, limits in INPUTS.items()
+        for value in (limits.low - 1, limits.high + 1)
+    ),
     "FAULT axis6 stall on",
     "FAULT axis4294967296 stall on",
     "FAULT axis0 bus_off on",
@@ -138,7 +165,15 @@ def test_before_power(start: Start, device: Device) -> None:
     node = start(device)
     for line in NEED_POWER:
         assert node.line(line).lines == ("NACK off",), line
-    for line in ("IN address 7", "T 12345", "NVM ok", "NVM set 0 00", "OS none"):
+    for line in (
+        "IN address 7",
+        "IN axis0.shaft -7",
+        "T 12345",
+        "NVM ok",
+        "NVM set 0 00",
+        "OS none",
+        "TELL driver off",
+    ):
         assert node.line(line).lines == ("NEXT -",), line
     assert node.line("NVM").lines[0] == "NVM 0000 00" + 31 * " FF"
     assert node.power().lines[0] == "BUS 1000 7"

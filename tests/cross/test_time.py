@@ -69,8 +69,10 @@ def test_parts_do_what_the_whole_does(
     device: Device = request.getfixturevalue(name)
     node_id = data.draw(st.sampled_from([1, 5]), "node-ID")
     time = data.draw(st.sampled_from([0, WRAP]), "clock")
-    happening = st.lists(st.one_of(events.events_of(device, node_id).lively, _steps), min_size=5, max_size=30)
-    lines = ["POWER on", *(line for group in data.draw(happening, "events") for line in group), "DUMP 0000-FFFF"]
+    own = events.events_of(device, node_id)
+    happening = st.lists(st.one_of(own.lively, _steps), min_size=5, max_size=30)
+    departure, groups = data.draw(own.departure, "departure"), data.draw(happening, "events")
+    lines = ["POWER on", *departure, *(line for group in groups for line in group), "DUMP 0000-FFFF"]
     whole, parted = (begin(device, node_id=node_id, time=time) for _ in range(2))
     for line in lines:
         expected = whole(line)

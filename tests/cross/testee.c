@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "ods/node.h"
+#include "ods_simulation.h"
 #include DEVICE_HEADER
 
 #define LINE_SIZE 250u
@@ -23,6 +24,7 @@
 #define IMAGE_SIZE 0x10000u
 #define MAX_VALUE 256u
 #define MAX_STEP 0x40000000u
+#define MAX_AXES 256u /* as many as a channel can name */
 #define NO_OCTET 0xFFFFFFFFu
 #define EVERY_OCTET 0xFFFFFFFEu
 
@@ -65,6 +67,8 @@ typedef struct {
     uint8_t address;
     ods_os_status_t os_status;
     uint8_t os_reply[ODS_OS_COMMAND_SIZE];
+    int tells_driver; /* what the driver of each axis is told */
+    ods_simulation_t hardware[MAX_AXES]; /* of the axes */
     int broken; /* the runtime did what its port does not allow */
     answer_t answer;
     uint8_t image[IMAGE_SIZE];
@@ -159,13 +163,25 @@ static void send_frame(void *context, const ods_frame_t *frame)
     }
 }
 
+static void say_output_of_axis(testee_t *bench, const char *name, uint8_t axis, uint32_t value)
+{
+    say(bench, "OUT axis%u.%s %" PRIu32 "\n", (unsigned)axis, name, value);
+}
+
 static void set_output(void *context, ods_output_t output, uint8_t channel, uint32_t value)
 {
     testee_t *const bench = context;
 
-    if (!begin_event(bench)) {
+    if (bench->power != POWER_ON) {
         return;
     }
+    if (output >= ODS_OUTPUT_POWER) {
+        ods_simulation_output(&bench->hardware[channel], output, value);
+    }
+    if ((output == ODS_OUTPUT_DRIVER) && !bench->tells_driver) {
+        return;
+    }
+    (void)begin_event(bench);
     switch (output) {
     case ODS_OUTPUT_RUN_LED:
         say(bench, "OUT run_led %" PRIu32 "\n", value);
@@ -178,6 +194,18 @@ static void set_output(void *context, ods_output_t output, uint8_t channel, uint
         break;
     case ODS_OUTPUT_ANALOG:
         say(bench, "OUT analog%u %d\n", (unsigned)channel, (int)(int16_t)value);
+        break;
+    case ODS_OUTPUT_POWER:
+        say_output_of_axis(bench, "power", channel, value);
+        break;
+    case ODS_OUTPUT_BRAKE:
+        say_output_of_axis(bench, "brake", channel, value);
+        break;
+    case ODS_OUTPUT_CURRENT:
+        say_output_of_axis(bench, "current", channel, value);
+        break;
+    case ODS_OUTPUT_DRIVER:
+        say_output_of_axis(bench, "driver", channel, value);
         break;
     case ODS_OUTPUTS:
     default:
@@ -192,6 +220,24 @@ static void join_bus(void *context, uint16_t bit_rate, uint8_t node_id)
 
     if (begin_event(bench)) {
         say(bench, "BUS %u %u\n", (unsigned)bit_rate, (unsigned)node_id);
+    }
+}
+
+static void set_motor(void *context, uint8_t axis, uint16_t parameter, int32_t value)
+{
+    testee_t *const bench = context;
+
+    if (bench->tells_driver && begin_event(bench)) {
+        say(bench, "OUT axis%u.parameter %04X %" PRId32 "\n", (unsigned)axis, (unsigned)parameter, value);
+    }
+}
+
+static void drive_motor(void *context, uint8_t axis, const ods_motor_demand_t *demand, ods_motor_answer_t *answer)
+{
+    testee_t *const bench = context;
+
+    if (bench->power == POWER_ON) {
+        ods_simulation_motor(&bench->hardware[axis], demand, answer);
     }
 }
 
@@ -305,6 +351,20 @@ static int read_decimal(const char *word, unsigned max_digits, uint64_t *value)
     return 1;
 }
 
+/* A number that may have a sign. */
+static int read_signed(const char *word, unsigned max_digits, int64_t *value)
+{
+    const int negative = (word[0] == '-');
+    uint64_t amount;
+
+    *value = 0;
+    if (!read_decimal(negative ? word + 1 : word, max_digits, &amount)) {
+        return 0;
+    }
+    *value = negative ? -(int64_t)amount : (int64_t)amount;
+    return 1;
+}
+
 /* The octets from word `at` to the end of the line. */
 static int read_octets(const line_t *line, unsigned at, unsigned max, uint8_t *octets)
 {
@@ -384,7 +444,7 @@ static nack_t do_time(testee_t *bench, const line_t *line)
 }
 
 /* Returns 0 if the device has no such input. */
-static int find_input(const testee_t *bench, const char *name, ods_input_t *input, uint8_t *channel, uint64_t *max)
+static int find_input(const testee_t *bench, const char *name, ods_input_t *input, uint8_t *channel, int64_t *max)
 {
     uint64_t number;
 
@@ -408,17 +468,73 @@ static int find_input(const testee_t *bench, const char *name, ods_input_t *inpu
     return 1;
 }
 
+/* The axis of `axisN.NAME`, and the name. Returns NULL if it is nothing of the kind, or the device has no such axis. */
+static const char *find_axis(const testee_t *bench, const char *name, uint8_t *axis)
+{
+    char digits[LINE_SIZE + 1u] = "";
+    const char *const dot = strchr(name, '.');
+    uint64_t number;
+
+    if ((dot == NULL) || (strncmp(name, "axis", 4) != 0)) {
+        return NULL;
+    }
+    memcpy(digits, name + 4, (size_t)(dot - name) - 4u);
+    if (!read_decimal(digits, 10, &number) || (number >= bench->drive.node.device->axes)) {
+        return NULL;
+    }
+    *axis = (uint8_t)number;
+    return dot + 1;
+}
+
+/* Returns 0 if the value is out of the range of the input. */
+static int set_hardware(testee_t *bench, uint8_t axis, ods_simulation_input_t input, int64_t value)
+{
+    if ((value < INT32_MIN) || (value > INT32_MAX) ||
+        !ods_simulation_set(&bench->hardware[axis], input, (int32_t)value)) {
+        return 0;
+    }
+    if (bench->power == POWER_ON) {
+        ods_node_motor(&bench->drive.node, bench->now, axis, &bench->hardware[axis].answer);
+    }
+    return 1;
+}
+
+/* An input of the simulated hardware. It goes beyond the device, and so does its range. */
+static nack_t do_hardware(testee_t *bench, const char *name, int64_t value)
+{
+    const uint8_t axes = bench->drive.node.device->axes;
+    uint8_t axis = 0;
+    const char *const of_axis = find_axis(bench, name, &axis);
+
+    if (of_axis != NULL) {
+        const ods_simulation_input_t input = ods_simulation_find(of_axis);
+        return ((input < ODS_SIMULATION_AXIS_INPUTS) && set_hardware(bench, axis, input, value)) ? NULL : RANGE;
+    }
+    if ((strcmp(name, "supply") != 0) || (axes == 0u)) {
+        return RANGE;
+    }
+    for (axis = 0; axis < axes; axis++) {
+        if (!set_hardware(bench, axis, ODS_SIMULATION_SUPPLY, value)) {
+            return RANGE;
+        }
+    }
+    return NULL;
+}
+
 static nack_t do_input(testee_t *bench, const line_t *line)
 {
     ods_input_t input;
     uint8_t channel;
-    uint64_t value;
-    uint64_t max;
+    int64_t value;
+    int64_t max;
 
-    if ((line->count != 3u) || !is_name(line->word[1]) || !read_decimal(line->word[2], 10, &value)) {
+    if ((line->count != 3u) || !is_name(line->word[1]) || !read_signed(line->word[2], 10, &value)) {
         return MALFORMED;
     }
-    if (!find_input(bench, line->word[1], &input, &channel, &max) || (value > max)) {
+    if (!find_input(bench, line->word[1], &input, &channel, &max)) {
+        return do_hardware(bench, line->word[1], value);
+    }
+    if ((value < 0) || (value > max)) {
         return RANGE;
     }
     if (input == ODS_INPUT_ADDRESS) {
@@ -545,6 +661,17 @@ static nack_t do_os(testee_t *bench, const line_t *line)
     return NULL;
 }
 
+static nack_t do_tell(testee_t *bench, const line_t *line)
+{
+    const int on = is_word(line, 2, "on");
+
+    if ((line->count != 3u) || !is_word(line, 1, "driver") || (!on && !is_word(line, 2, "off"))) {
+        return MALFORMED;
+    }
+    bench->tells_driver = on;
+    return NULL;
+}
+
 /* Memory of a node that has just been powered holds anything. */
 static void make_node(testee_t *bench)
 {
@@ -564,6 +691,10 @@ static nack_t do_power(testee_t *bench, const line_t *line)
         bench->power = POWER_ON;
         bench->writes_left = 0;
         ods_node_input(&bench->drive.node, bench->now, ODS_INPUT_ADDRESS, 0, bench->address);
+        for (uint8_t axis = 0; axis < bench->drive.node.device->axes; axis++) {
+            ods_simulation_power_on(&bench->hardware[axis]);
+            ods_node_motor(&bench->drive.node, bench->now, axis, &bench->hardware[axis].answer);
+        }
         ods_node_power_on(&bench->drive.node, bench->now);
         return NULL;
     }
@@ -643,6 +774,7 @@ static nack_t obey(testee_t *bench, const line_t *line)
         { "CAN", do_can },
         { "NVM", do_memory },
         { "OS", do_os },
+        { "TELL", do_tell },
         { "POWER", do_power },
         { "DUMP", do_dump },
     };
@@ -694,8 +826,13 @@ testee_t *testee_new(unsigned node_id, uint32_t serial, uint32_t time)
     bench->port.bus = join_bus;
     bench->port.nvm_read = read_memory;
     bench->port.nvm_write = write_memory;
+    bench->port.motor_set = set_motor;
+    bench->port.motor = drive_motor;
     memset(bench->image, 0xFF, sizeof(bench->image));
     make_node(bench);
+    for (uint8_t axis = 0; axis < bench->drive.node.device->axes; axis++) {
+        ods_simulation_init(&bench->hardware[axis]);
+    }
     bench->image_size = ods_store_size(bench->drive.node.device);
     if (bench->image_size > IMAGE_SIZE) {
         testee_free(bench);

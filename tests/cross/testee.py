@@ -14,7 +14,21 @@ from collections.abc import Callable, Container, Iterator, Sequence
 
 from odsmith_cia import CONDITIONS, AbortCode
 
-from odsmith_runtime.device import Can, Config, Frame, Input, MemoryFailure, Node, OsStatus, Output, Port, Tables
+from odsmith_runtime.device import (
+    Can,
+    Config,
+    Frame,
+    Input,
+    MemoryFailure,
+    MotorAnswer,
+    MotorDemand,
+    Node,
+    OsStatus,
+    Output,
+    Port,
+    Tables,
+)
+from odsmith_runtime.device.simulation import SUPPLY, Simulation
 
 LINE_SIZE = 250
 MAX_STEP = 0x40000000
@@ -53,7 +67,9 @@ class Bench(Port):
         self.dead: Container[int] = ()  # octets of the memory that fail
         self.address = 0
         self.os_answer: tuple[OsStatus, bytes] | None = None
+        self.tells_driver = False  # what the driver of each axis is told
         self.node = Node(tables, self, config)
+        self.hardware = [Simulation() for _ in self.node.axes]
         self.image = bytearray(b"\xff" * self.node.store.size)
 
     # ---- what the device does ----------------------------------------------------------------------------------------
@@ -72,10 +88,25 @@ class Bench(Port):
         self.say(f"TX {frame.id:03X}", frame.data)
 
     def output(self, output: Output, channel: int, value: int) -> None:
-        if output is Output.ANALOG:
+        if output >= Output.POWER:
+            self._axis_output(output, channel, value)
+        elif output is Output.ANALOG:
             self.say(f"OUT analog{channel} {(value & 0x7FFF) - (value & 0x8000)}")
         else:
             self.say(f"OUT {output.name.lower()} {value}")
+
+    def _axis_output(self, output: Output, axis: int, value: int) -> None:
+        if self.power == "on":
+            self.hardware[axis].output(output, value)
+        if output is not Output.DRIVER or self.tells_driver:
+            self.say(f"OUT axis{axis}.{output.name.lower()} {value}")
+
+    def motor_set(self, axis: int, parameter: int, value: int) -> None:
+        if self.tells_driver:
+            self.say(f"OUT axis{axis}.parameter {parameter:04X} {value}")
+
+    def motor(self, axis: int, demand: MotorDemand, answer: MotorAnswer) -> MotorAnswer:
+        return self.hardware[axis].motor(demand) if self.power == "on" else answer
 
     def bus(self, bit_rate: int, node_id: int) -> None:
         self.say(f"BUS {bit_rate} {node_id}")
@@ -123,6 +154,7 @@ class Bench(Port):
             "CAN": self._can,
             "NVM": self._memory,
             "OS": self._os,
+            "TELL": self._tell,
             "POWER": self._power,
             "DUMP": self._dump,
         }
@@ -159,9 +191,13 @@ class Bench(Port):
 
     def _input(self, words: list[str]) -> None:
         _require(len(words) == 2 and _is_name(words[0]))
-        value = _decimal(words[1], 10)
-        input, channel, highest = self._find_input(words[0])
-        if value > highest:
+        value = _signed(words[1], 10)
+        found = self._find_input(words[0])
+        if found is None:
+            self._set_hardware(words[0], value)
+            return
+        input, channel, highest = found
+        if not 0 <= value <= highest:
             raise Nack("range")
         if input is Input.ADDRESS:
             self.address = value
@@ -170,18 +206,30 @@ class Bench(Port):
         if self.power == "on":
             self.node.input(self.now, input, channel, value)
 
-    def _find_input(self, name: str) -> tuple[Input, int, int]:
-        """The input, its channel, and the highest value that it takes."""
+    def _find_input(self, name: str) -> tuple[Input, int, int] | None:
+        """The input, its channel, and the highest value that it takes; None if the device itself has none."""
         match re.fullmatch(r"(address|enable|digital)|analog([0-9])", name):
             case None:
-                raise Nack("range")
+                return None
             case found if found[2]:
                 channel = int(found[2])
-                if channel >= self.tables.identity.analog_inputs:
-                    raise Nack("range")
-                return Input.ANALOG, channel, MASK
+                return (Input.ANALOG, channel, MASK) if channel < self.tables.identity.analog_inputs else None
             case found:
                 return Input[name.upper()], 0, {"address": 255, "enable": 1}.get(name, MASK)
+
+    def _set_hardware(self, name: str, value: int) -> None:
+        """An input of the simulated hardware."""
+        found = re.fullmatch(r"axis([0-9]{1,10})\.([^.]+)", name)
+        axes = [axis for axis in range(len(self.hardware)) if not found or axis == int(found[1])]
+        if not axes or (name != SUPPLY if not found else found[2] == SUPPLY):
+            raise Nack("range")
+        for axis in axes:
+            try:
+                self.hardware[axis].set(found[2] if found else SUPPLY, value)
+            except (KeyError, ValueError):
+                raise Nack("range") from None
+            if self.power == "on":
+                self.node.motor(self.now, axis, self.hardware[axis].answer)
 
     def _fault(self, words: list[str]) -> None:
         _require(len(words) == 3 and words[0].startswith("axis"))
@@ -230,6 +278,10 @@ class Bench(Port):
             raise Nack("range")
         self.os_answer = OsStatus(status), reply
 
+    def _tell(self, words: list[str]) -> None:
+        _require(words in (["driver", "on"], ["driver", "off"]))
+        self.tells_driver = words[1] == "on"
+
     def _power(self, words: list[str]) -> None:
         if words == ["on"]:
             if self.power == "on":
@@ -239,6 +291,9 @@ class Bench(Port):
             self.power = "on"
             self.writes_left = 0
             self.node.input(self.now, Input.ADDRESS, 0, self.address)
+            for axis, hardware in enumerate(self.hardware):
+                hardware.power_on()
+                self.node.motor(self.now, axis, hardware.answer)
             self.node.power_on(self.now)
             return
         _require(words[:1] == ["cut"] and len(words) <= 2)
@@ -290,6 +345,10 @@ def _hex(words: Sequence[str], at: int, min_digits: int, max_digits: int) -> int
 def _decimal(word: str, max_digits: int) -> int:
     _require(re.fullmatch(f"[0-9]{{1,{max_digits}}}", word) is not None)
     return int(word)
+
+
+def _signed(word: str, max_digits: int) -> int:
+    return -_decimal(word[1:], max_digits) if word.startswith("-") else _decimal(word, max_digits)
 
 
 def _octets(words: Sequence[str], most: int) -> bytes:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from cffi import FFI  # type: ignore[import-untyped]
-from tests.cross.build import RUNTIME, run
+from tests.cross.build import RUNTIME, SIMULATION, run
 from tests.cross.library import CBench
 from tests.mutants import c_code
 from tests.mutants.c_tables import CTables
@@ -31,6 +31,11 @@ DUMPS = HERE.parent / "unit" / "runtime_c"
 
 FLAGS = ("-std=c99", "-O1", "-fPIC", "-w", "-fsanitize=address,undefined", "-fsanitize-undefined-trap-on-error")
 """What a sanitizer sees ends the process, which counts as caught. Warnings are about code that is wrong on purpose."""
+
+SANITIZER = (
+    *("detect_leaks=0", "verify_asan_link_order=0", "detect_stack_use_after_return=1"),
+    *("quarantine_size_mb=8", "malloc_context_size=0"),  # memory that each process would copy
+)
 
 _FFI = FFI()
 _FFI.cdef("""
@@ -59,8 +64,8 @@ def with_sanitizer(command: list[str]) -> None:
     """
     if "ASAN_OPTIONS" not in os.environ:
         library = subprocess.run(["cc", "-print-file-name=libasan.so"], capture_output=True, text=True, check=True)
-        options = "detect_leaks=0:verify_asan_link_order=0:detect_stack_use_after_return=1"
-        os.execve(command[0], command, {**os.environ, "LD_PRELOAD": library.stdout.strip(), "ASAN_OPTIONS": options})
+        environment = {"LD_PRELOAD": library.stdout.strip(), "ASAN_OPTIONS": ":".join(SANITIZER)}
+        os.execve(command[0], command, {**os.environ, **environment})
     os.environ.pop("LD_PRELOAD", None)
 
 
@@ -131,7 +136,8 @@ class CMutants:
 
     def _build(self, devices: Sequence[Device], vocabulary: Vocabulary, pool: Executor) -> None:
         folder = self._folder
-        texts = c_code.instrument(sorted((RUNTIME / "src").glob("*.[ch]")), self.code)
+        sources = sorted([*(RUNTIME / "src").glob("*.[ch]"), *SIMULATION.glob("*.[ch]")])
+        texts = c_code.instrument(sources, self.code)
         (folder / "src").mkdir(parents=True, exist_ok=True)
         for model in (vocabulary, *devices):
             write(CBackend().render(model), folder)
@@ -165,7 +171,7 @@ class CMutants:
         tables = [str(HERE / "tables.c")]
         if device not in self._with_tables:
             tables = [f"{home}/{device}_device.c", f"{home}/{device}_od.c"]
-        own = [str(HERE.parent / "cross" / "testee.c"), str(HERE / "dumps.c")]
+        own = [str(HERE.parent / "cross" / "library.c"), str(HERE / "dumps.c")]
         for source in (f"{home}/{device}.c", *own, *tables):
             yield [f"-I{home}", f"-I{DUMPS}", *defines, "-c", source, "-o", f"{device}-{Path(source).stem}.o"]
 
@@ -173,7 +179,7 @@ class CMutants:
         return run(["cc", "-E", "-P", *self._includes(), "-include", "mutant.h", source], self._folder)
 
     def _includes(self) -> list[str]:
-        return [f"-I{place}" for place in (".", "cia/c", RUNTIME / "include")]
+        return [f"-I{place}" for place in (".", "src", "cia/c", RUNTIME / "include")]
 
     def _compile(self, arguments: Sequence[str]) -> None:
         run(["cc", *FLAGS, *self._includes(), *arguments], self._folder)

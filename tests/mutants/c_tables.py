@@ -18,6 +18,7 @@ BITS = {
     "nmt_states.services": range(6),
     "stores.groups": range(5),
     "emergencies.error_register": range(8),
+    "emergencies.driver_flag": range(8),
     "homing_methods.flags": (0, 1),
     "modes.control": range(16),
     "modes.status": range(16),

@@ -1,24 +1,24 @@
 """All mutants that there are, with those who judge them.
 
 Three judges listen to a talk: what the scenario says that was worked out by hand, or what the oracle works out from the
-specification; and then the other runtime, which has to say the same word for word. Tables are compared with the model,
-too, row by row.
+specification; and then the other runtime, which has to say the same word for word. Tables are compared with the model
+before, row by row, which takes milliseconds.
 """
 
 from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Protocol
 
 from tests.cross.devices import ROOT, SPECIFICATIONS, device
 from tests.mutants.c_library import CMutants
-from tests.mutants.hunt import Group, Judge, in_processes
+from tests.mutants.hunt import Group, Judge, Judges, in_processes
 from tests.mutants.mutant import Mutant
 from tests.mutants.py_code import ChangedRuntime
 from tests.mutants.py_package import PyMutants
@@ -30,11 +30,17 @@ from odsmith.vocabulary import Vocabulary
 WITH_TABLES = ("tmcm3230", "tmcm6212")
 """Devices whose tables have mutants; those of the others come from the same templates."""
 
-ENOUGH = 250
-"""Talks that come past a mutant in Python, which is slow: those with small devices and few lines go first."""
+COVERS = 3
+"""So many rounds of a few talks, before the round of all others."""
 
-QUICK = 0.2
-"""Comparisons that take less than so many seconds come before all talks."""
+ENOUGH = 400
+"""Talks of the last round that come past a mutant in Python, which is slow: quick ones go first."""
+
+TOO_LONG = 0.1
+"""Seconds that a talk takes in C, from which on it takes too long in Python."""
+
+ADDRESSES = "addresses"
+"""The one comparison that is not quick: all 2^24 addresses are asked."""
 
 Comparison = Callable[[], bool]
 Answers = list[tuple[str, ...]]
@@ -49,76 +55,137 @@ class Runtime(Protocol):
 
 @dataclass(frozen=True)
 class Reference:
-    """What is known of a talk or a comparison with no mutant awake.
+    """What is known of a talk with no mutant awake.
 
     `passed` has a bit for each mutant of the code that it came past, `answers` the hash of each answer.
     """
 
     seconds: float
-    passed: int = 0
-    answers: tuple[int, ...] = ()
+    passed: int
+    answers: tuple[int, ...]
+
+
+class Listener:
+    """Has a runtime play talks in which no mutant is awake, each one once."""
+
+    def __init__(self, jobs: int, runtime: Runtime, other: Listener | None = None) -> None:
+        """`other` has listened to the other runtime, or will."""
+        self._jobs = jobs
+        self._runtime = runtime
+        self._other = other
+        self._known: dict[str, Reference] = {}
+
+    def listen(self, talks: Sequence[Talk]) -> Mapping[str, Reference]:
+        """What is known of these talks and others, by name.
+
+        Raises RuntimeError where a judge objects, or the runtimes do not agree: then there is nothing to prove here.
+        """
+        new = [talk for talk in talks if talk.name not in self._known]
+        for _, result in in_processes(self._jobs, [new[n :: self._jobs] for n in range(self._jobs)], self._play):
+            self._known |= result or {}
+        _complain("judges object to", (talk for talk in new if not self._answers(talk)))
+        if self._other:
+            others = self._other.listen(talks)
+            wrong = (talk for talk in new if self._answers(talk) != others[talk.name].answers)
+            _complain("C and Python answer differently to", wrong)
+        return self._known
+
+    def _answers(self, talk: Talk) -> tuple[int, ...]:
+        return self._known[talk.name].answers if talk.name in self._known else ()
+
+    def _play(self, part: Sequence[Talk]) -> dict[str, Reference]:
+        found = {}
+        for talk in part:
+            self._runtime.passed()
+            begin = time.process_time()
+            answers = self._runtime.play(talk)
+            seconds = time.process_time() - begin
+            passed = sum(1 << number for number in self._runtime.passed())
+            found[talk.name] = Reference(seconds, passed, tuple(map(hash, answers)) if talk.accepts(answers) else ())
+        return found
+
+
+def _complain(what: str, talks: Iterable[Talk]) -> None:
+    names = [talk.name for talk in talks]
+    if names:
+        raise RuntimeError(f"without any mutant, {what} {', '.join(names[:10])}")
 
 
 def all_groups(runtime: ChangedRuntime, folder: Path, jobs: int) -> list[Group]:
-    """Compiles everything in `folder` and lets both runtimes answer without a mutant.
-
-    Raises RuntimeError where they do not agree, or a judge objects: then there is nothing to prove here.
-    """
+    """Compiles everything in `folder`."""
     devices = {name: device(name) for name in SPECIFICATIONS}
     vocabulary = compile_file(ROOT / "spec" / "cia" / "cia.yaml")
     assert isinstance(vocabulary, Vocabulary)
     with ThreadPoolExecutor(jobs) as pool:
         c = CMutants(list(devices.values()), vocabulary, WITH_TABLES, folder / "c", pool)
     python = PyMutants(runtime, list(devices.values()), WITH_TABLES, folder / "python")
-    talks = all_talks(list(devices.values()))
-    in_c = _listen(jobs, c, talks)
-    in_python = _listen(jobs, python, talks)
-    different = [talk.name for talk in talks if in_c[talk.name].answers != in_python[talk.name].answers]
-    if different:
-        raise RuntimeError(f"without any mutant, C and Python answer differently to {', '.join(different[:10])}")
+    all_of_them = cache(lambda: all_talks(list(devices.values())))  # which tables need not
+    c_listener = Listener(jobs, c)
+    python_listener = Listener(jobs, python, c_listener)
 
-    by_size = sorted(talks, key=lambda talk: (len(devices[talk.device].expanded), len(talk.lines), talk.name))
+    def of_c_code() -> Iterator[Judges]:
+        talks = all_of_them()
+        yield _of_code(c, talks, c_listener.listen(talks), len(talks))
 
-    def of_code(runtime: Runtime, references: dict[str, Reference], most: int) -> Callable[[Mutant], Iterator[Judge]]:
-        def judges(mutant: Mutant) -> Iterator[Judge]:
-            passing = (talk for talk in by_size if references[talk.name].passed >> mutant.number & 1)
-            for talk in itertools.islice(passing, most):
-                yield _judge_of_talk(runtime, talk, references[talk.name])
+    def of_python_code() -> Iterator[Judges]:
+        """Nobody knows yet which talks come past a mutant here, but in C it is much the same."""
+        talks = all_of_them()
+        in_c = c_listener.listen(talks)
+        for part in _rounds([talk for talk in talks if in_c[talk.name].seconds < TOO_LONG], in_c):
+            yield _of_code(python, part, python_listener.listen(part), ENOUGH)
 
-        return judges
+    def of_c_tables() -> Iterator[Judges]:
+        yield from _of_tables(jobs, {name: c.comparisons(devices[name], vocabulary) for name in WITH_TABLES})
 
-    def of_tables(
-        runtime: Runtime, references: dict[str, Reference], comparisons: dict[str, dict[str, Comparison]]
-    ) -> Callable[[Mutant], Iterator[Judge]]:
-        seconds = _time(jobs, comparisons)
-
-        def judges(mutant: Mutant) -> Iterator[Judge]:
-            owner = next(name for name in WITH_TABLES if mutant.where.startswith(name))
-            for name, comparison in comparisons[owner].items():
-                usual = seconds[owner, name]
-                yield Judge(name, usual, partial(_differs, comparison), keen=usual < QUICK)
-            for talk in talks:
-                if talk.device == owner:
-                    yield _judge_of_talk(runtime, talk, references[talk.name])
-
-        return judges
+    def of_python_tables() -> Iterator[Judges]:
+        yield from _of_tables(jobs, {name: python.comparisons(name) for name in WITH_TABLES})
 
     return [
-        Group("C code", c.code.mutants, c.wake_code, of_code(c, in_c, len(talks))),
-        Group("Python code", python.code.mutants, python.wake_code, of_code(python, in_python, ENOUGH)),
-        Group(
-            "C tables",
-            c.tables.mutants,
-            c.wake_tables,
-            of_tables(c, in_c, {name: c.comparisons(devices[name], vocabulary) for name in WITH_TABLES}),
-        ),
-        Group(
-            "Python tables",
-            python.tables.mutants,
-            python.wake_tables,
-            of_tables(python, in_python, {name: python.comparisons(name) for name in WITH_TABLES}),
-        ),
+        Group("C tables", c.tables.mutants, c.wake_tables, of_c_tables),
+        Group("Python tables", python.tables.mutants, python.wake_tables, of_python_tables),
+        Group("C code", c.code.mutants, c.wake_code, of_c_code),
+        Group("Python code", python.code.mutants, python.wake_code, of_python_code),
     ]
+
+
+# ---- code ------------------------------------------------------------------------------------------------------------
+
+
+def _of_code(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, Reference], most: int) -> Judges:
+    """Talks that come past the place of the mutant."""
+    by_time = sorted(talks, key=lambda talk: references[talk.name].seconds)
+
+    def judges(mutant: Mutant) -> Iterator[Judge]:
+        passing = (talk for talk in by_time if references[talk.name].passed >> mutant.number & 1)
+        for talk in itertools.islice(passing, most):
+            yield _judge_of_talk(runtime, talk, references[talk.name])
+
+    return judges
+
+
+def _rounds(talks: Sequence[Talk], references: Mapping[str, Reference]) -> Iterator[list[Talk]]:
+    """The talks in parts, of which the first ones pass in little time all that can be passed."""
+    left = list(talks)
+    for _ in range(COVERS):
+        part = _cover(left, references)
+        left = [talk for talk in left if talk not in part]
+        yield part
+    yield left
+
+
+def _cover(talks: Sequence[Talk], references: Mapping[str, Reference]) -> list[Talk]:
+    """Some talks that pass all that these pass: in each step the one that adds most for its time."""
+    found: list[Talk] = []
+    passed = 0
+
+    def gain(talk: Talk) -> float:
+        reference = references[talk.name]
+        return (reference.passed & ~passed).bit_count() / reference.seconds
+
+    while best := max((talk for talk in talks if gain(talk)), key=gain, default=None):
+        found.append(best)
+        passed |= references[best.name].passed
+    return found
 
 
 def _judge_of_talk(runtime: Runtime, talk: Talk, reference: Reference) -> Judge:
@@ -131,38 +198,28 @@ def _judge_of_talk(runtime: Runtime, talk: Talk, reference: Reference) -> Judge:
     return Judge(talk.name, reference.seconds, objects)
 
 
-def _differs(comparison: Comparison) -> str:
-    """What a comparison cannot read is no equal either."""
-    try:
-        return "" if comparison() else "model"
-    except Exception:
-        return "model"
+# ---- tables ----------------------------------------------------------------------------------------------------------
 
 
-def _listen(jobs: int, runtime: Runtime, talks: Sequence[Talk]) -> dict[str, Reference]:
-    """What a runtime answers in which no mutant is awake. Raises RuntimeError where a judge objects."""
-
-    def listen(part: Sequence[Talk]) -> dict[str, Reference]:
-        found = {}
-        for talk in part:
-            runtime.passed()
-            begin = time.process_time()
-            answers = runtime.play(talk)
-            seconds = time.process_time() - begin
-            passed = sum(1 << number for number in runtime.passed())
-            found[talk.name] = Reference(seconds, passed, tuple(map(hash, answers)) if talk.accepts(answers) else ())
-        return found
-
-    references: dict[str, Reference] = {}
-    for _, result in in_processes(jobs, [talks[n::jobs] for n in range(jobs)], listen):
-        references |= result or {}
-    objected = [talk.name for talk in talks if talk.name not in references or not references[talk.name].answers]
-    if objected:
-        raise RuntimeError(f"without any mutant, judges object to {', '.join(objected[:10])}")
-    return references
+def _of_tables(jobs: int, comparisons: Mapping[str, Mapping[str, Comparison]]) -> Iterator[Judges]:
+    """Comparisons with the model, by device; quick ones first."""
+    for is_quick in (True, False):
+        part = {
+            owner: {name: each for name, each in names.items() if (name != ADDRESSES) == is_quick}
+            for owner, names in comparisons.items()
+        }
+        yield partial(_comparing, part, _time(jobs, part))
 
 
-def _time(jobs: int, comparisons: dict[str, dict[str, Comparison]]) -> dict[tuple[str, str], float]:
+def _comparing(
+    comparisons: Mapping[str, Mapping[str, Comparison]], seconds: Mapping[tuple[str, str], float], mutant: Mutant
+) -> Iterator[Judge]:
+    owner = next(name for name in comparisons if mutant.where.startswith(name))
+    for name, comparison in comparisons[owner].items():
+        yield Judge(name, seconds[owner, name], partial(_differs, comparison))
+
+
+def _time(jobs: int, comparisons: Mapping[str, Mapping[str, Comparison]]) -> dict[tuple[str, str], float]:
     """How long each comparison takes. Raises RuntimeError for one that finds a difference."""
 
     def measure(task: tuple[str, str]) -> float | None:
@@ -175,3 +232,11 @@ def _time(jobs: int, comparisons: dict[str, dict[str, Comparison]]) -> dict[tupl
     if wrong:
         raise RuntimeError(f"without any mutant, the tables differ from the model: {', '.join(wrong)}")
     return measured
+
+
+def _differs(comparison: Comparison) -> str:
+    """What a comparison cannot read is no equal either."""
+    try:
+        return "" if comparison() else "model"
+    except Exception:
+        return "model"

@@ -12,6 +12,7 @@ import signal
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple, TypeVar
 
 from tests.mutants.mutant import Mutant
@@ -30,14 +31,15 @@ RECENT = 6
 class Judge:
     """Who may object to a mutant that is awake, and how long that takes without one.
 
-    `objects` gives the word for the report, or nothing. An exception is a crash. One that is `keen` is asked before all
-    others.
+    `objects` gives the word for the report, or nothing. An exception is a crash.
     """
 
     name: str
     seconds: float
     objects: Callable[[], str]
-    keen: bool = False
+
+
+Judges = Callable[[Mutant], Iterable[Judge]]
 
 
 class Verdict(NamedTuple):
@@ -52,23 +54,24 @@ NOBODY = Verdict("", "")
 
 @dataclass
 class Group:
-    """Mutants of one kind of thing, and who judges each."""
+    """Mutants of one kind of thing, and who judges them.
+
+    In each of its `rounds` other judges look at those mutants that nobody has caught before.
+    """
 
     name: str
     mutants: Sequence[Mutant]
     wake: Callable[[int], None]
-    judges: Callable[[Mutant], Iterable[Judge]]
+    rounds: Callable[[], Iterable[Judges]]
     _caught_by: dict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
 
-    def judge(self, mutant: Mutant) -> Verdict:
+    def judge(self, mutant: Mutant, who: Judges) -> Verdict:
         """Wake a mutant and ask who caught its neighbours, then the others, quick ones first. There is no way back."""
-        judges = {judge.name: judge for judge in self.judges(mutant)}
+        judges = {judge.name: judge for judge in who(mutant)}
         near, alike = self._caught_by[mutant.where], self._caught_by[mutant.kind]
         recent = [name for name in (*near[: -RECENT - 1 : -1], *alike[: -RECENT - 1 : -1]) if name in judges]
         self.wake(mutant.number)
-        by_time = sorted(judges, key=lambda name: judges[name].seconds)
-        keen = [name for name in by_time if judges[name].keen]
-        for name in dict.fromkeys([*keen, *recent, *by_time]):
+        for name in dict.fromkeys([*recent, *sorted(judges, key=lambda name: judges[name].seconds)]):
             _allow(LEAST_PATIENCE + PATIENCE * judges[name].seconds)
             try:
                 how = judges[name].objects()
@@ -87,11 +90,21 @@ class Group:
 
 def hunt(jobs: int, group: Group, mutants: Sequence[Mutant]) -> Iterator[tuple[Mutant, Verdict]]:
     """What becomes of each mutant, in the order in which it is known; so many at a time."""
-    for mutant, result in in_processes(jobs, mutants, group.judge):
-        verdict: Verdict = Verdict("crash", "") if result is None else result
-        if verdict.judge:
-            group.remember(mutant, verdict.judge)
-        yield mutant, verdict
+    left = list(mutants)
+    rounds = iter(group.rounds())
+    while left and (judges := next(rounds, None)) is not None:
+        survivors = []
+        for mutant, result in in_processes(jobs, left, partial(group.judge, who=judges)):
+            verdict: Verdict = Verdict("crash", "") if result is None else result
+            if verdict.judge:
+                group.remember(mutant, verdict.judge)
+            if verdict.how:
+                yield mutant, verdict
+            else:
+                survivors.append(mutant)
+        left = survivors
+    for mutant in left:
+        yield mutant, NOBODY
 
 
 def sample(mutants: Sequence[Mutant], size: int) -> list[Mutant]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-import time
+import resource
+import sys
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -17,6 +18,9 @@ LEAST_OF_CODE = 0.95
 """Which part of the mutants of a runtime's code has to be caught, but for those that no dialogue can tell apart."""
 
 GROUPS = 4
+
+STEP = 1000
+"""A word is said each time that so many are hunted down."""
 
 
 class Survivors:
@@ -68,10 +72,13 @@ class Report:
         mutants = [mutant for mutant in group.mutants if self._only in mutant.kind or self._only in mutant.key]
         if self._sample:
             mutants = [mutant for mutant in sample(mutants, self._sample // GROUPS) if mutant not in self._survivors]
-        begin = time.monotonic()
-        verdicts = dict(hunt(self._jobs, group, mutants))
-        seconds = time.monotonic() - begin
-        self._print(group.name, verdicts, seconds)
+        begin = _processor_time()
+        verdicts: dict[Mutant, Verdict] = {}
+        for mutant, verdict in hunt(self._jobs, group, mutants):
+            verdicts[mutant] = verdict
+            if not len(verdicts) % STEP:
+                print(f"{group.name}: {len(verdicts)} of {len(mutants)}", file=sys.stderr, flush=True)
+        self._print(group.name, verdicts, _processor_time() - begin)
         for mutant, verdict in verdicts.items():
             is_listed = mutant in self._survivors
             if is_listed and verdict.how:
@@ -90,7 +97,8 @@ class Report:
         caught = len(verdicts) - len(survived)
         part = caught / max(len(verdicts) - equivalent, 1)
         print(
-            f"{name}: {len(verdicts)} mutants in {seconds:.0f} s, {caught} caught, {equivalent} equivalent: {part:.1%}"
+            f"{name}: {len(verdicts)} mutants, {caught} caught, {equivalent} equivalent: {part:.1%}, "
+            f"in {seconds:.0f} s of processor time"
         )
         kinds: dict[str, Counter[str]] = defaultdict(Counter)
         for mutant, verdict in verdicts.items():
@@ -100,3 +108,9 @@ class Report:
             print(f"    {kind}: {', '.join(f'{how} {count}' for how, count in counts.most_common())}")
         if "code" in name and verdicts and part < LEAST_OF_CODE:
             self._complaints.append(f"only {part:.1%} of the mutants of {name} are caught")
+
+
+def _processor_time() -> float:
+    """Seconds of this process and all that it has waited for."""
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)

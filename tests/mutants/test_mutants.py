@@ -37,7 +37,7 @@ def group(count: int, check: Check, name: str = "C tables") -> Group:
     for number in range(1, count + 1):
         catalogue.add("seeded: value", "here", f"{number}")
     judge = Judge("listener", 0.0, lambda: check(awake.number))
-    return Group(name, catalogue.mutants, awake.wake, lambda _: [judge])
+    return Group(name, catalogue.mutants, awake.wake, lambda: [lambda _: [judge]])
 
 
 def complaints(check: Check, *rows: Mapping[str, object], name: str = "C tables", count: int = 2) -> list[str]:

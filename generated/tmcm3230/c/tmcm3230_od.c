@@ -196,7 +196,7 @@ static const ods_od_entry_t entries[] = {
     /* 2096h Chopper hysteresis start */
     { AT_AXIS(chopper_hysteresis_start), ODS_U8 | ODS_READ, 31 },
     /* 2097h Chopper off time */
-    { AT_AXIS(chopper_off_time), ODS_U8 | ODS_READ, 32 },
+    { AT_AXIS(common.chopper_off_time), ODS_U8 | ODS_READ, 32 },
     /* 2098h Smart energy current minimum */
     { AT_AXIS(smart_energy_current_minimum), ODS_U8 | ODS_READ, 29 },
     /* 2099h Smart energy current down step */
@@ -218,27 +218,27 @@ static const ods_od_entry_t entries[] = {
     /* 20A4h Stop on stall */
     { AT_AXIS(common.stop_on_stall), ODS_U32 | ODS_READ, 35 },
     /* 20A5h Smart energy threshold speed */
-    { AT_AXIS(smart_energy_threshold_speed), ODS_U32 | ODS_READ, 36 },
+    { AT_AXIS(common.smart_energy_threshold_speed), ODS_U32 | ODS_READ, 36 },
     /* 20B0h PWM threshold speed */
-    { AT_AXIS(pwm_threshold_speed), ODS_U32 | ODS_READ, 37 },
+    { AT_AXIS(common.pwm_threshold_speed), ODS_U32 | ODS_READ, 37 },
     /* 20B1h PWM gradient */
     { AT_AXIS(pwm_gradient), ODS_U8 | ODS_READ, 18 },
     /* 20B2h PWM amplitude */
     { AT_AXIS(pwm_amplitude), ODS_U8 | ODS_READ, 18 },
     /* 20B3h DcStep minimum speed */
-    { AT_AXIS(dcstep_minimum_speed), ODS_U32 | ODS_READ, 37 },
+    { AT_AXIS(common.dcstep_minimum_speed), ODS_U32 | ODS_READ, 37 },
     /* 20B4h DcStep time */
     { AT_AXIS(dcstep_time), ODS_U16 | ODS_READ, 38 },
     /* 20B5h DcStep StallGuard */
     { AT_AXIS(dcstep_stallguard), ODS_U8 | ODS_READ, 18 },
     /* 20B6h Fullstep threshold speed */
-    { AT_AXIS(fullstep_threshold_speed), ODS_U32 | ODS_READ, 37 },
+    { AT_AXIS(common.fullstep_threshold_speed), ODS_U32 | ODS_READ, 37 },
     /* 20B7h High speed chopper mode */
     { AT_AXIS(high_speed_chopper_mode), ODS_U8 | ODS_READ, 29 },
     /* 20B8h High speed fullstep mode */
     { AT_AXIS(high_speed_fullstep_mode), ODS_U8 | ODS_READ, 29 },
     /* 20B9h Power down ramp */
-    { AT_AXIS(power_down_ramp), ODS_U8 | ODS_READ, 33 },
+    { AT_AXIS(common.power_down_ramp), ODS_U8 | ODS_READ, 39 },
     /* 2100h Home offset display */
     { AT_AXIS(common.home_offset_display), ODS_I32 | ODS_READ, 0 },
     /* 2101h Actual load value */
@@ -257,21 +257,21 @@ static const ods_od_entry_t entries[] = {
     /* 2122h Measured velocity */
     { AT_AXIS(common.measured_velocity), ODS_I32 | ODS_READ, 0 },
     /* 6040h Controlword */
-    { AT_AXIS(common.controlword), ODS_U16 | ODS_READ | ODS_RX, 39 },
+    { AT_AXIS(common.controlword), ODS_U16 | ODS_READ | ODS_RX, 40 },
     /* 6041h Statusword */
     { AT_AXIS(common.statusword), ODS_U16 | ODS_READ | ODS_TX, 0 },
     /* 605Ah Quick stop option code */
-    { AT_AXIS(common.quick_stop_option_code), ODS_I16 | ODS_READ, 40 },
+    { AT_AXIS(common.quick_stop_option_code), ODS_I16 | ODS_READ, 41 },
     /* 605Bh Shutdown option code */
-    { AT_AXIS(common.shutdown_option_code), ODS_I16 | ODS_READ, 41 },
+    { AT_AXIS(common.shutdown_option_code), ODS_I16 | ODS_READ, 42 },
     /* 605Ch Disable operation option code */
-    { AT_AXIS(common.disable_operation_option_code), ODS_I16 | ODS_READ, 42 },
+    { AT_AXIS(common.disable_operation_option_code), ODS_I16 | ODS_READ, 43 },
     /* 605Dh Halt option code */
-    { AT_AXIS(common.halt_option_code), ODS_I16 | ODS_READ, 42 },
+    { AT_AXIS(common.halt_option_code), ODS_I16 | ODS_READ, 43 },
     /* 605Eh Fault reaction option code */
-    { AT_AXIS(common.fault_reaction_option_code), ODS_I16 | ODS_READ, 43 },
+    { AT_AXIS(common.fault_reaction_option_code), ODS_I16 | ODS_READ, 44 },
     /* 6060h Modes of operation */
-    { AT_AXIS(common.modes_of_operation), ODS_I8 | ODS_READ | ODS_RX, 44 },
+    { AT_AXIS(common.modes_of_operation), ODS_I8 | ODS_READ | ODS_RX, 45 },
     /* 6061h Modes of operation display */
     { AT_AXIS(common.modes_of_operation_display), ODS_I8 | ODS_READ | ODS_TX, 0 },
     /* 6062h Position demand value */
@@ -281,78 +281,78 @@ static const ods_od_entry_t entries[] = {
     /* 6064h Position actual value */
     { AT_AXIS(common.position_actual_value), ODS_I32 | ODS_READ | ODS_TX, 0 },
     /* 6065h Following error window */
-    { AT_AXIS(common.following_error_window), ODS_U32 | ODS_READ, 45 },
+    { AT_AXIS(common.following_error_window), ODS_U32 | ODS_READ, 46 },
     /* 6067h Position window */
-    { AT_AXIS(common.position_window), ODS_U32 | ODS_READ, 46 },
+    { AT_AXIS(common.position_window), ODS_U32 | ODS_READ, 47 },
     /* 6068h Position window time */
-    { AT_AXIS(common.position_window_time), ODS_U16 | ODS_READ, 46 },
+    { AT_AXIS(common.position_window_time), ODS_U16 | ODS_READ, 47 },
     /* 606Ch Velocity actual value */
     { AT_AXIS(common.velocity_actual_value), ODS_I32 | ODS_READ | ODS_TX, 0 },
     /* 607Ah Target position */
-    { AT_AXIS(common.target_position), ODS_I32 | ODS_READ | ODS_RX, 47 },
+    { AT_AXIS(common.target_position), ODS_I32 | ODS_READ | ODS_RX, 48 },
     /* 607Ch Home offset */
-    { AT_AXIS(common.home_offset), ODS_I32 | ODS_READ, 48 },
+    { AT_AXIS(common.home_offset), ODS_I32 | ODS_READ, 49 },
     /* 607Dh Software position limit */
     { 2, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :00 highest_sub_index */
-    { AT_AXIS(common.software_position_limit_minimum), ODS_I32 | ODS_READ, 49 }, /* :01 minimum */
-    { AT_AXIS(common.software_position_limit_maximum), ODS_I32 | ODS_READ, 49 }, /* :02 maximum */
+    { AT_AXIS(common.software_position_limit_minimum), ODS_I32 | ODS_READ, 50 }, /* :01 minimum */
+    { AT_AXIS(common.software_position_limit_maximum), ODS_I32 | ODS_READ, 50 }, /* :02 maximum */
     /* 6081h Profile velocity */
-    { AT_AXIS(common.profile_velocity), ODS_U32 | ODS_READ, 50 },
+    { AT_AXIS(common.profile_velocity), ODS_U32 | ODS_READ, 51 },
     /* 6082h End velocity */
-    { AT_AXIS(common.end_velocity), ODS_U32 | ODS_READ, 50 },
+    { AT_AXIS(common.end_velocity), ODS_U32 | ODS_READ, 51 },
     /* 6083h Profile acceleration */
-    { AT_AXIS(common.profile_acceleration), ODS_U32 | ODS_READ, 50 },
+    { AT_AXIS(common.profile_acceleration), ODS_U32 | ODS_READ, 51 },
     /* 6084h Profile deceleration */
-    { AT_AXIS(common.profile_deceleration), ODS_U32 | ODS_READ, 50 },
+    { AT_AXIS(common.profile_deceleration), ODS_U32 | ODS_READ, 51 },
     /* 6085h Quick stop deceleration */
-    { AT_AXIS(common.quick_stop_deceleration), ODS_U32 | ODS_READ, 50 },
+    { AT_AXIS(common.quick_stop_deceleration), ODS_U32 | ODS_READ, 51 },
     /* 6098h Homing method */
-    { AT_AXIS(common.homing_method), ODS_I8 | ODS_READ, 51 },
+    { AT_AXIS(common.homing_method), ODS_I8 | ODS_READ, 52 },
     /* 6099h Homing speeds */
     { 2, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :00 highest_sub_index */
-    { AT_AXIS(common.homing_speeds_fast), ODS_U32 | ODS_READ, 48 }, /* :01 fast */
-    { AT_AXIS(common.homing_speeds_slow), ODS_U32 | ODS_READ, 48 }, /* :02 slow */
+    { AT_AXIS(common.homing_speeds_fast), ODS_U32 | ODS_READ, 49 }, /* :01 fast */
+    { AT_AXIS(common.homing_speeds_slow), ODS_U32 | ODS_READ, 49 }, /* :02 slow */
     /* 609Ah Homing acceleration */
-    { AT_AXIS(common.homing_acceleration), ODS_U32 | ODS_READ, 48 },
+    { AT_AXIS(common.homing_acceleration), ODS_U32 | ODS_READ, 49 },
     /* 60B0h Position offset */
-    { AT_AXIS(common.position_offset), ODS_I32 | ODS_READ | ODS_RX, 52 },
+    { AT_AXIS(common.position_offset), ODS_I32 | ODS_READ | ODS_RX, 53 },
     /* 60B1h Velocity offset */
-    { AT_AXIS(common.velocity_offset), ODS_I32 | ODS_READ | ODS_RX, 52 },
+    { AT_AXIS(common.velocity_offset), ODS_I32 | ODS_READ | ODS_RX, 53 },
     /* 60C2h Interpolation time period */
     { 2, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :00 highest_sub_index */
-    { AT_AXIS(common.interpolation_time_period_value), ODS_U8 | ODS_READ, 53 }, /* :01 value */
-    { AT_AXIS(common.interpolation_time_period_index), ODS_I8 | ODS_READ, 54 }, /* :02 index */
+    { AT_AXIS(common.interpolation_time_period_value), ODS_U8 | ODS_READ, 54 }, /* :01 value */
+    { AT_AXIS(common.interpolation_time_period_index), ODS_I8 | ODS_READ, 55 }, /* :02 index */
     /* 60F2h Positioning option code */
-    { AT_AXIS(common.positioning_option_code), ODS_U16 | ODS_READ, 55 },
+    { AT_AXIS(common.positioning_option_code), ODS_U16 | ODS_READ, 56 },
     /* 60FDh Digital inputs */
     { AT_AXIS(common.digital_inputs), ODS_U32 | ODS_READ | ODS_TX, 0 },
     /* 60FFh Target velocity */
-    { AT_AXIS(common.target_velocity), ODS_I32 | ODS_READ | ODS_RX, 56 },
+    { AT_AXIS(common.target_velocity), ODS_I32 | ODS_READ | ODS_RX, 57 },
     /* 6502h Supported drive modes */
     { 6, ODS_U32 | ODS_READ | ODS_CONST, 0 },
     /* 67FFh Single device type */
     { 7, ODS_U32 | ODS_READ | ODS_CONST, 0 },
     /* 1400h RPDO n communication parameter */
     { 2, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :00 highest_sub_index */
-    { AT_PDO(common.pdo_cob_id), ODS_U32 | ODS_READ, 57 }, /* :01 cob_id */
-    { AT_PDO(common.pdo_transmission_type), ODS_U8 | ODS_READ, 58 }, /* :02 transmission_type */
+    { AT_PDO(common.pdo_cob_id), ODS_U32 | ODS_READ, 58 }, /* :01 cob_id */
+    { AT_PDO(common.pdo_transmission_type), ODS_U8 | ODS_READ, 59 }, /* :02 transmission_type */
     /* 1600h RPDO n mapping parameter */
-    { AT_PDO(common.pdo_mapped_count), ODS_U8 | ODS_READ, 59 }, /* :00 mapped_count */
-    { AT_PDO(pdo_mapping[0]), ODS_U32 | ODS_READ, 60 }, /* :01 mapping_1 */
-    { AT_PDO(pdo_mapping[1]), ODS_U32 | ODS_READ, 60 }, /* :02 mapping_2 */
-    { AT_PDO(pdo_mapping[2]), ODS_U32 | ODS_READ, 60 }, /* :03 mapping_3 */
+    { AT_PDO(common.pdo_mapped_count), ODS_U8 | ODS_READ, 60 }, /* :00 mapped_count */
+    { AT_PDO(pdo_mapping[0]), ODS_U32 | ODS_READ, 61 }, /* :01 mapping_1 */
+    { AT_PDO(pdo_mapping[1]), ODS_U32 | ODS_READ, 61 }, /* :02 mapping_2 */
+    { AT_PDO(pdo_mapping[2]), ODS_U32 | ODS_READ, 61 }, /* :03 mapping_3 */
     /* 1800h TPDO n communication parameter */
     { 5, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :00 highest_sub_index */
-    { AT_PDO(common.pdo_cob_id), ODS_U32 | ODS_READ, 57 }, /* :01 cob_id */
-    { AT_PDO(common.pdo_transmission_type), ODS_U8 | ODS_READ, 58 }, /* :02 transmission_type */
-    { AT_PDO(common.pdo_inhibit_time), ODS_U16 | ODS_READ, 61 }, /* :03 inhibit_time */
+    { AT_PDO(common.pdo_cob_id), ODS_U32 | ODS_READ, 58 }, /* :01 cob_id */
+    { AT_PDO(common.pdo_transmission_type), ODS_U8 | ODS_READ, 59 }, /* :02 transmission_type */
+    { AT_PDO(common.pdo_inhibit_time), ODS_U16 | ODS_READ, 62 }, /* :03 inhibit_time */
     { 0, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :04 compatibility_entry */
-    { AT_PDO(common.pdo_event_timer), ODS_U16 | ODS_READ, 61 }, /* :05 event_timer */
+    { AT_PDO(common.pdo_event_timer), ODS_U16 | ODS_READ, 62 }, /* :05 event_timer */
     /* 1A00h TPDO n mapping parameter */
-    { AT_PDO(common.pdo_mapped_count), ODS_U8 | ODS_READ, 59 }, /* :00 mapped_count */
-    { AT_PDO(pdo_mapping[0]), ODS_U32 | ODS_READ, 60 }, /* :01 mapping_1 */
-    { AT_PDO(pdo_mapping[1]), ODS_U32 | ODS_READ, 60 }, /* :02 mapping_2 */
-    { AT_PDO(pdo_mapping[2]), ODS_U32 | ODS_READ, 60 }, /* :03 mapping_3 */
+    { AT_PDO(common.pdo_mapped_count), ODS_U8 | ODS_READ, 60 }, /* :00 mapped_count */
+    { AT_PDO(pdo_mapping[0]), ODS_U32 | ODS_READ, 61 }, /* :01 mapping_1 */
+    { AT_PDO(pdo_mapping[1]), ODS_U32 | ODS_READ, 61 }, /* :02 mapping_2 */
+    { AT_PDO(pdo_mapping[2]), ODS_U32 | ODS_READ, 61 }, /* :03 mapping_3 */
 };
 
 static const uint16_t bases[] = {
@@ -506,8 +506,8 @@ static const ods_od_rule_t rules[] = {
       0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_PARAMETER },
     /* 2097h:00 */
     { 25, 2, ODS_OD_LISTED,
-      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_PARAMETER },
-    /* 209Ah:00, 209Ch:00, 20B9h:00 */
+      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_CURRENT },
+    /* 209Ah:00, 209Ch:00 */
     { 27, 1, ODS_OD_RANGE,
       0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_PARAMETER },
     /* 209Eh:00 */
@@ -518,13 +518,16 @@ static const ods_od_rule_t rules[] = {
       0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_STOP_ON_STALL },
     /* 20A5h:00 */
     { 29, 1, ODS_OD_RANGE,
-      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_PARAMETER },
+      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_SPEED_THRESHOLD },
     /* 20B0h:00, 20B3h:00, 20B6h:00 */
     { 18, 1, ODS_OD_RANGE,
-      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_PARAMETER },
+      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_SPEED_THRESHOLD },
     /* 20B4h:00 */
     { 30, 1, ODS_OD_RANGE,
       0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_PARAMETER },
+    /* 20B9h:00 */
+    { 27, 1, ODS_OD_RANGE,
+      0, TMCM3230_GROUP_MOTOR, ODS_EFFECT_DRIVER_CURRENT },
     /* 6040h:00 */
     { 0, 0, 0,
       0, 0, ODS_EFFECT_CONTROLWORD },
@@ -665,8 +668,8 @@ static const tmcm3230_axis_values_t axis_defaults = {
     .common.acceleration_dimension_index = 179u,
     .chopper_blank_time = 2u,
     .chopper_hysteresis_start = 3u,
-    .chopper_off_time = 5u,
-    .power_down_ramp = 7u,
+    .common.chopper_off_time = 5u,
+    .common.power_down_ramp = 7u,
     .common.microstep_resolution_display = 8u,
     .common.quick_stop_option_code = 2,
     .common.disable_operation_option_code = 1,

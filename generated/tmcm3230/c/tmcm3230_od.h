@@ -35,10 +35,6 @@ typedef struct {
 /* Values of one axis: what the runtime knows of them, and the rest. */
 typedef struct {
     ods_axis_values_t common;
-    uint32_t smart_energy_threshold_speed; /* 20A5h:00 Smart energy threshold speed */
-    uint32_t pwm_threshold_speed; /* 20B0h:00 PWM threshold speed */
-    uint32_t dcstep_minimum_speed; /* 20B3h:00 DcStep minimum speed */
-    uint32_t fullstep_threshold_speed; /* 20B6h:00 Fullstep threshold speed */
     uint16_t fullstep_resolution; /* 2001h:00 Fullstep resolution */
     uint16_t dcstep_time; /* 20B4h:00 DcStep time */
     uint8_t chopper_blank_time; /* 2092h:00 Chopper blank time */
@@ -46,7 +42,6 @@ typedef struct {
     uint8_t chopper_hysteresis_decrement; /* 2094h:00 Chopper hysteresis decrement */
     int8_t chopper_hysteresis_end; /* 2095h:00 Chopper hysteresis end */
     uint8_t chopper_hysteresis_start; /* 2096h:00 Chopper hysteresis start */
-    uint8_t chopper_off_time; /* 2097h:00 Chopper off time */
     uint8_t smart_energy_current_minimum; /* 2098h:00 Smart energy current minimum */
     uint8_t smart_energy_current_down_step; /* 2099h:00 Smart energy current down step */
     uint8_t smart_energy_hysteresis; /* 209Ah:00 Smart energy hysteresis */
@@ -61,7 +56,6 @@ typedef struct {
     uint8_t dcstep_stallguard; /* 20B5h:00 DcStep StallGuard */
     uint8_t high_speed_chopper_mode; /* 20B7h:00 High speed chopper mode */
     uint8_t high_speed_fullstep_mode; /* 20B8h:00 High speed fullstep mode */
-    uint8_t power_down_ramp; /* 20B9h:00 Power down ramp */
 } tmcm3230_axis_values_t;
 
 /* Values of one PDO: what the runtime knows of them, and the rest. */

@@ -94,57 +94,57 @@ static const ods_led_row_t leds[] = {
 
 static const ods_emergency_row_t emergencies[] = {
     /* Fault reset */
-    { 0x0000u, { 0, 0, 0, 0, 0 }, 1, 0x00u, ODS_CONDITION_FAULT_RESET, ODS_REACTION_NONE, 1 },
+    { 0x0000u, { 0, 0, 0, 0, 0 }, 1, 0x00u, ODS_CONDITION_FAULT_RESET, ODS_REACTION_NONE, 1, 0 },
     /* Open load bridge A */
-    { 0x1000u, { 1, 0, 0, 0, 0 }, 1, 0x01u, ODS_CONDITION_OPEN_LOAD_A, ODS_REACTION_WARNING, 0 },
+    { 0x1000u, { 1, 0, 0, 0, 0 }, 1, 0x01u, ODS_CONDITION_OPEN_LOAD_A, ODS_REACTION_WARNING, 0, 4 },
     /* Open load bridge B */
-    { 0x1000u, { 2, 0, 0, 0, 0 }, 1, 0x01u, ODS_CONDITION_OPEN_LOAD_B, ODS_REACTION_WARNING, 0 },
+    { 0x1000u, { 2, 0, 0, 0, 0 }, 1, 0x01u, ODS_CONDITION_OPEN_LOAD_B, ODS_REACTION_WARNING, 0, 8 },
     /* Overcurrent high side */
-    { 0x2310u, { 0, 0, 0, 0, 0 }, 1, 0x03u, ODS_CONDITION_OVERCURRENT_HIGH_SIDE, ODS_REACTION_FAULT_RAMP, 0 },
+    { 0x2310u, { 0, 0, 0, 0, 0 }, 1, 0x03u, ODS_CONDITION_OVERCURRENT_HIGH_SIDE, ODS_REACTION_FAULT_RAMP, 0, 16 },
     /* Overcurrent bridge B */
-    { 0x2311u, { 0, 0, 0, 0, 0 }, 1, 0x03u, ODS_CONDITION_OVERCURRENT_B, ODS_REACTION_FAULT_RAMP, 0 },
+    { 0x2311u, { 0, 0, 0, 0, 0 }, 1, 0x03u, ODS_CONDITION_OVERCURRENT_B, ODS_REACTION_FAULT_RAMP, 0, 2 },
     /* Overcurrent bridge A */
-    { 0x2312u, { 0, 0, 0, 0, 0 }, 1, 0x03u, ODS_CONDITION_OVERCURRENT_A, ODS_REACTION_FAULT_RAMP, 0 },
+    { 0x2312u, { 0, 0, 0, 0, 0 }, 1, 0x03u, ODS_CONDITION_OVERCURRENT_A, ODS_REACTION_FAULT_RAMP, 0, 1 },
     /* stallGuard2 error */
-    { 0x3230u, { 0, 0, 0, 0, 0 }, 1, 0x05u, ODS_CONDITION_STALL, ODS_REACTION_FAULT_RAMP, 0 },
+    { 0x3230u, { 0, 0, 0, 0, 0 }, 1, 0x05u, ODS_CONDITION_STALL, ODS_REACTION_FAULT_RAMP, 0, 0 },
     /* Overtemperature pre-warning */
-    { 0x4310u, { 1, 0, 0, 0, 0 }, 1, 0x09u, ODS_CONDITION_TEMPERATURE_WARNING, ODS_REACTION_WARNING, 0 },
+    { 0x4310u, { 1, 0, 0, 0, 0 }, 1, 0x09u, ODS_CONDITION_TEMPERATURE_WARNING, ODS_REACTION_WARNING, 0, 64 },
     /* Overtemperature error */
-    { 0x4310u, { 2, 0, 0, 0, 0 }, 1, 0x09u, ODS_CONDITION_OVERTEMPERATURE, ODS_REACTION_FAULT_OFF, 0 },
+    { 0x4310u, { 2, 0, 0, 0, 0 }, 1, 0x09u, ODS_CONDITION_OVERTEMPERATURE, ODS_REACTION_FAULT_OFF, 0, 128 },
     /* Shutdown switch active */
-    { 0x5441u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x01u, ODS_CONDITION_SHUTDOWN_SWITCH, ODS_REACTION_FAULT_OFF, 0 },
+    { 0x5441u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x01u, ODS_CONDITION_SHUTDOWN_SWITCH, ODS_REACTION_FAULT_OFF, 0, 0 },
     /* Parameter error */
-    { 0x6320u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x01u, ODS_CONDITION_PARAMETER_REFUSED, ODS_REACTION_NONE, 1 },
+    { 0x6320u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x01u, ODS_CONDITION_PARAMETER_REFUSED, ODS_REACTION_NONE, 1, 0 },
     /* Communication error */
-    { 0x8100u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_COMMUNICATION_ERROR, ODS_REACTION_NONE, 1 },
+    { 0x8100u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_COMMUNICATION_ERROR, ODS_REACTION_NONE, 1, 0 },
     /* CAN controller overflow */
-    { 0x8110u, { 1, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_OVERRUN, ODS_REACTION_NONE, 1 },
+    { 0x8110u, { 1, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_OVERRUN, ODS_REACTION_NONE, 1, 0 },
     /* CAN Tx buffer overflow */
-    { 0x8110u, { 2, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_TX_FULL, ODS_REACTION_NONE, 1 },
+    { 0x8110u, { 2, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_TX_FULL, ODS_REACTION_NONE, 1, 0 },
     /* CAN Rx buffer overflow */
-    { 0x8110u, { 3, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_RX_FULL, ODS_REACTION_NONE, 1 },
+    { 0x8110u, { 3, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_RX_FULL, ODS_REACTION_NONE, 1, 0 },
     /* CAN error passive */
-    { 0x8120u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_PASSIVE, ODS_REACTION_NONE, 0 },
+    { 0x8120u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_CAN_PASSIVE, ODS_REACTION_NONE, 0, 0 },
     /* Heartbeat or life guard error */
-    { 0x8130u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_HEARTBEAT_LOST, ODS_REACTION_NONE, 0 },
+    { 0x8130u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_HEARTBEAT_LOST, ODS_REACTION_NONE, 0, 0 },
     /* Recovered from bus-off */
-    { 0x8140u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_BUS_OFF, ODS_REACTION_FAULT_OFF, 1 },
+    { 0x8140u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_BUS_OFF, ODS_REACTION_FAULT_OFF, 1, 0 },
     /* PDO not processed because too short */
-    { 0x8210u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_PDO_TOO_SHORT, ODS_REACTION_NONE, 1 },
+    { 0x8210u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_PDO_TOO_SHORT, ODS_REACTION_NONE, 1, 0 },
     /* PDO length exceeded */
-    { 0x8220u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_PDO_TOO_LONG, ODS_REACTION_NONE, 1 },
+    { 0x8220u, { 0, 255, 0, 0, 0 }, ODS_NONE, 0x11u, ODS_CONDITION_PDO_TOO_LONG, ODS_REACTION_NONE, 1, 0 },
     /* Following error */
-    { 0x8611u, { 0, 0, 0, 0, 0 }, 1, 0x11u, ODS_CONDITION_FOLLOWING_ERROR, ODS_REACTION_FAULT_RAMP, 0 },
+    { 0x8611u, { 0, 0, 0, 0, 0 }, 1, 0x11u, ODS_CONDITION_FOLLOWING_ERROR, ODS_REACTION_FAULT_RAMP, 0, 0 },
     /* Undervoltage */
-    { 0xFF00u, { 0, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_UNDERVOLTAGE, ODS_REACTION_FAULT_OFF, 0 },
+    { 0xFF00u, { 0, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_UNDERVOLTAGE, ODS_REACTION_FAULT_OFF, 0, 32 },
     /* Positive software limit */
-    { 0xFF01u, { 1, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_SOFTWARE_LIMIT_POSITIVE, ODS_REACTION_STOP_DIRECTION, 0 },
+    { 0xFF01u, { 1, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_SOFTWARE_LIMIT_POSITIVE, ODS_REACTION_STOP_DIRECTION, 0, 0 },
     /* Negative software limit */
-    { 0xFF01u, { 2, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_SOFTWARE_LIMIT_NEGATIVE, ODS_REACTION_STOP_DIRECTION, 0 },
+    { 0xFF01u, { 2, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_SOFTWARE_LIMIT_NEGATIVE, ODS_REACTION_STOP_DIRECTION, 0, 0 },
     /* Positive limit switch */
-    { 0xFF01u, { 3, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_LIMIT_SWITCH_POSITIVE, ODS_REACTION_STOP_DIRECTION, 0 },
+    { 0xFF01u, { 3, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_LIMIT_SWITCH_POSITIVE, ODS_REACTION_STOP_DIRECTION, 0, 0 },
     /* Negative limit switch */
-    { 0xFF01u, { 4, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_LIMIT_SWITCH_NEGATIVE, ODS_REACTION_STOP_DIRECTION, 0 },
+    { 0xFF01u, { 4, 0, 0, 0, 0 }, 1, 0x81u, ODS_CONDITION_LIMIT_SWITCH_NEGATIVE, ODS_REACTION_STOP_DIRECTION, 0, 0 },
 };
 
 static const ods_store_row_t stores[] = {
@@ -274,6 +274,37 @@ static const ods_ramp_row_t ramp[] = {
     { ODS_RAMP_WAIT, { AT_AXIS(common.ramp_wait_time), ODS_U16 } },
 };
 
+static const ods_motor_parameter_row_t motor_parameters[] = {
+    { 0x2000u, { AT_AXIS(common.microstep_resolution), ODS_U8 } },
+    { 0x2092u, { AT_AXIS(chopper_blank_time), ODS_U8 } },
+    { 0x2093u, { AT_AXIS(chopper_mode), ODS_U8 } },
+    { 0x2094u, { AT_AXIS(chopper_hysteresis_decrement), ODS_U8 } },
+    { 0x2095u, { AT_AXIS(chopper_hysteresis_end), ODS_I8 } },
+    { 0x2096u, { AT_AXIS(chopper_hysteresis_start), ODS_U8 } },
+    { 0x2097u, { AT_AXIS(common.chopper_off_time), ODS_U8 } },
+    { 0x2098u, { AT_AXIS(smart_energy_current_minimum), ODS_U8 } },
+    { 0x2099u, { AT_AXIS(smart_energy_current_down_step), ODS_U8 } },
+    { 0x209Au, { AT_AXIS(smart_energy_hysteresis), ODS_U8 } },
+    { 0x209Bu, { AT_AXIS(smart_energy_current_up_step), ODS_U8 } },
+    { 0x209Cu, { AT_AXIS(smart_energy_hysteresis_start), ODS_U8 } },
+    { 0x209Du, { AT_AXIS(smart_energy_filter_enable), ODS_U8 } },
+    { 0x209Eu, { AT_AXIS(stallguard2_threshold), ODS_I8 } },
+    { 0x20A1u, { AT_AXIS(short_protection_disable), ODS_U8 } },
+    { 0x20A2u, { AT_AXIS(short_detection_timer), ODS_U8 } },
+    { 0x20A3u, { AT_AXIS(vsense), ODS_U8 } },
+    { 0x20A5u, { AT_AXIS(common.smart_energy_threshold_speed), ODS_U32 } },
+    { 0x20B0u, { AT_AXIS(common.pwm_threshold_speed), ODS_U32 } },
+    { 0x20B1u, { AT_AXIS(pwm_gradient), ODS_U8 } },
+    { 0x20B2u, { AT_AXIS(pwm_amplitude), ODS_U8 } },
+    { 0x20B3u, { AT_AXIS(common.dcstep_minimum_speed), ODS_U32 } },
+    { 0x20B4u, { AT_AXIS(dcstep_time), ODS_U16 } },
+    { 0x20B5u, { AT_AXIS(dcstep_stallguard), ODS_U8 } },
+    { 0x20B6u, { AT_AXIS(common.fullstep_threshold_speed), ODS_U32 } },
+    { 0x20B7u, { AT_AXIS(high_speed_chopper_mode), ODS_U8 } },
+    { 0x20B8u, { AT_AXIS(high_speed_fullstep_mode), ODS_U8 } },
+    { 0x20B9u, { AT_AXIS(common.power_down_ramp), ODS_U8 } },
+};
+
 const ods_device_t tmcm6212_device = {
     .od = &tmcm6212_od,
     .name = "TMCM-6212",
@@ -299,6 +330,7 @@ const ods_device_t tmcm6212_device = {
     .pds_transition_count = 25,
     .homing_count = 12,
     .ramp_count = 9,
+    .motor_parameter_count = 28,
     .nmt_states = nmt_states,
     .nmt_commands = nmt_commands,
     .error_behaviours = error_behaviours,
@@ -312,4 +344,5 @@ const ods_device_t tmcm6212_device = {
     .pds_transitions = pds_transitions,
     .homing_methods = homing_methods,
     .ramp = ramp,
+    .motor_parameters = motor_parameters,
 };

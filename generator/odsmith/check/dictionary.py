@@ -26,7 +26,7 @@ NODE_IDS = (1, 127)
 SET_UP = frozenset(
     {"consumer_heartbeat", "store", "restore", "pdo_cob_id", "pdo_parameter", "pdo_mapped_count", "pdo_mapping"}
 )
-"""Effects that set up communication or storing."""
+"""Effects that set up communication or storing; those that set up a motor driver say so themselves."""
 
 
 def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
@@ -38,6 +38,7 @@ def check_dictionary(device: Device, places: Places) -> Iterator[Diagnostic]:
             yield from _EntryCheck(obj, entry, places).run(device)
     yield from _roles_used_twice(device, places)
     yield from _nmt_states(device)
+    yield from _driver_values(device, places)
     yield from _set_up_in_pdos(device, places)
 
 
@@ -250,11 +251,31 @@ def _nmt_states(device: Device) -> Iterator[Diagnostic]:
             )
 
 
+def _driver_values(device: Device, places: Places) -> Iterator[Diagnostic]:
+    """What an effect hands to the motor driver is told by the index alone, as a number of 32 bits."""
+    for obj in device.objects:
+        for entry in obj.entries:
+            if not _is_for_driver(device, entry):
+                continue
+            if obj.scope != "axis" or entry.sub != 0 or not entry.type.integer or entry.bit_length > 32:
+                yield diagnose(
+                    "E424",
+                    places.of(obj, entry, "effect"),
+                    f"the effect `{entry.effect}` hands {label(obj, entry)} to the motor driver",
+                    "that has to be a variable of an axis, an integer of up to 32 bits",
+                )
+
+
+def _is_for_driver(device: Device, entry: Entry) -> bool:
+    return bool(entry.effect) and device.effects[entry.effect].to_driver
+
+
 def _set_up_in_pdos(device: Device, places: Places) -> Iterator[Diagnostic]:
     """Some effects depend on the address that was written, which a PDO does not carry."""
     for obj in device.objects:
         for entry in obj.entries:
-            if entry.effect in SET_UP and entry.mapping in (PdoDirection.RX, PdoDirection.BOTH):
+            set_up = entry.effect in SET_UP or _is_for_driver(device, entry)
+            if set_up and entry.mapping in (PdoDirection.RX, PdoDirection.BOTH):
                 yield diagnose(
                     "E434",
                     places.of(obj, entry, "mapping"),

@@ -98,7 +98,7 @@ def _device(spec: Node, problems: Problems) -> Device:
         homing_methods=resolve_homing(spec),
         ramp=resolve_ramp(spec, by_name, problems),
         storage_groups=words.storage_groups,
-        emergencies=resolve_emergencies(spec, vocabulary, problems),
+        emergencies=resolve_emergencies(spec, vocabulary, objects, problems),
         errata=resolve_errata(spec),
         manuals=resolve_manuals(spec, problems),
         **vocabulary,

@@ -220,14 +220,20 @@ def resolve_ramp(spec: Node, objects: Mapping[str, Object], problems: Problems) 
     return tuple(found)
 
 
-def resolve_emergencies(spec: Node, vocabulary: Mapping[str, Any], problems: Problems) -> tuple[Emergency, ...]:
+def resolve_emergencies(
+    spec: Node, vocabulary: Mapping[str, Any], objects: Iterable[Object], problems: Problems
+) -> tuple[Emergency, ...]:
     """The emergency rows in the order of the table."""
     found = []
+    entries = (entry for obj in objects for entry in obj.entries if entry.role == "driver_error_flags")
+    flags = {bit.name: bit.mask for entry in entries for bit in entry.bits}
     for node in spec.get("emergencies") or ():
         for position, bit in enumerate(node["register"]):
             problems.look_up(vocabulary["register_bits"], bit, node["register"].place(position), "error register bit")
         problems.look_up(vocabulary["conditions"], node["condition"], node.place("condition"), "condition")
         problems.look_up(vocabulary["reactions"], node["reaction"], node.place("reaction"), "reaction")
+        if "driver_flag" in node:
+            problems.look_up(flags, node["driver_flag"], node.place("driver_flag"), "driver error flag")
         found.append(
             Emergency(
                 name=node["name"],
@@ -238,6 +244,7 @@ def resolve_emergencies(spec: Node, vocabulary: Mapping[str, Any], problems: Pro
                 condition=node["condition"],
                 reaction=node["reaction"],
                 momentary=node.get("momentary", False),
+                driver_flag=flags.get(node.get("driver_flag", ""), 0),
                 cause=node["cause"],
                 remedy=node["remedy"],
                 source=sources(node),

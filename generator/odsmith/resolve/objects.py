@@ -22,7 +22,7 @@ from odsmith.model import (
     PdoMapEntry,
 )
 from odsmith.resolve.problems import Node, Problems, section, sources
-from odsmith.vocabulary import Named, Role, Signature, Unit
+from odsmith.vocabulary import Effect, Named, Role, Signature, Unit
 
 N = TypeVar("N")
 
@@ -52,7 +52,7 @@ class Words:
     bases: Mapping[str, int]
     units: Mapping[str, Unit]
     signatures: Mapping[str, Signature]
-    effects: Mapping[str, Named]
+    effects: Mapping[str, Effect]
     roles: Mapping[str, Role]
     pds_states: frozenset[str]
     nmt_states: frozenset[str]

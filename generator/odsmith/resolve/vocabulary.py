@@ -10,6 +10,7 @@ from odsmith.resolve.problems import Node, Problems, section, sources, words
 from odsmith.vocabulary import (
     AbortCode,
     Condition,
+    Effect,
     Led,
     LedPattern,
     ModeCode,
@@ -30,7 +31,12 @@ def resolve_vocabulary(spec: Node, problems: Problems) -> dict[str, Any]:
     """The fields of `Vocabulary`, but for the digest."""
     fields: dict[str, Any] = {
         "roles": {name: _role(name, node) for name, node in section(spec, "roles").items()},
-        "effects": named(section(spec, "effects")),
+        "effects": {
+            name: Effect(
+                name, node["text"], node.get("title", ""), node.get("to_driver", False), sources(node), node.where
+            )
+            for name, node in section(spec, "effects").items()
+        },
         "conditions": {
             name: Condition(name, node["scope"], node["text"], node.where)
             for name, node in section(spec, "conditions").items()

@@ -72,6 +72,7 @@ typedef struct {
     uint8_t condition; /* ods_condition_t */
     uint8_t reaction; /* ods_reaction_t */
     uint8_t momentary; /* 1: shows in 1001h only while its frame is sent */
+    uint8_t driver_flag; /* bit of the driver error flags that is set while the condition holds */
 } ods_emergency_row_t;
 
 /* ---- storing ----------------------------------------------------------------------------------------------------- */
@@ -156,6 +157,12 @@ typedef struct {
     ods_axis_field_t field;
 } ods_ramp_row_t;
 
+/* A value that the motor driver is told (ods_port_t.motor_set): its object in axis 0. Rows ascend. */
+typedef struct {
+    uint16_t index;
+    ods_axis_field_t field;
+} ods_motor_parameter_row_t;
+
 /* ---- the device -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
@@ -185,6 +192,7 @@ typedef struct {
     uint8_t pds_transition_count;
     uint8_t homing_count;
     uint8_t ramp_count;
+    uint8_t motor_parameter_count;
 
     const ods_nmt_state_row_t *nmt_states;
     const ods_nmt_command_row_t *nmt_commands;
@@ -199,6 +207,7 @@ typedef struct {
     const ods_pds_transition_row_t *pds_transitions;
     const ods_homing_row_t *homing_methods;
     const ods_ramp_row_t *ramp;
+    const ods_motor_parameter_row_t *motor_parameters;
 } ods_device_t;
 
 #ifdef __cplusplus

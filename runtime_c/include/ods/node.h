@@ -104,6 +104,8 @@ typedef struct {
 
 typedef struct {
     uint32_t conditions; /* those of the whole device that hold: bit 1 << ods_condition_t */
+    uint32_t warnings; /* conditions that warn, whether they hold or not */
+    uint32_t faults; /* conditions that are a fault */
     ods_emcy_item_t queue[ODS_EMCY_QUEUE];
     uint8_t first;
     uint8_t count;
@@ -126,6 +128,7 @@ typedef struct {
     int16_t analog_outputs[ODS_ANALOG_CHANNELS];
     uint8_t address;
     uint8_t enable;
+    uint8_t is_new; /* an input has changed since the last tick */
 } ods_io_t;
 
 /* The record of stored values. */
@@ -185,11 +188,76 @@ typedef struct {
     uint32_t aged_at; /* when transmissions that are long ago were last forgotten */
 } ods_pdo_t;
 
-/* An axis. The motion modules will add to it; until then it rests in SWITCH ON DISABLED. */
+/* The encoder of an axis: where the shaft really is. */
 typedef struct {
-    uint32_t faults; /* hardware conditions as they are: bit 1 << ods_condition_t */
+    int64_t velocity; /* 1/1000 microstep per second */
+    int64_t increments; /* since the position was the origin */
+    int32_t origin;
+    int32_t count; /* as last read */
+    int32_t position; /* microsteps */
+    uint8_t is_index; /* the level of the index line is the active one */
+    uint8_t has_pulse; /* since this tick */
+} ods_encoder_t;
+
+/* A homing. */
+typedef struct {
+    const ods_homing_row_t *method; /* while the phase is not 0 */
+    uint16_t status; /* bits 10 and 12 of the statusword */
+    int8_t direction; /* of the search */
+    uint8_t phase;
+    uint8_t was_active; /* the switch, on the way over its edge */
+    uint8_t has_reversed;
+} ods_homing_t;
+
+/* The cyclic modes. */
+typedef struct {
+    uint32_t ticks; /* that remain until the last set-point has to be reached */
+    uint8_t is_following; /* since the first set-point */
+} ods_cyclic_t;
+
+/* An axis. What its flags say is in ods_axis.h. */
+typedef struct {
+    ods_axis_values_t *values; /* in the dictionary */
+
+    int64_t position; /* 1/1,000,000 microstep */
+    int64_t velocity; /* 1/1000 microstep per second */
+    int64_t far; /* profile position: a distance from which on the target says but the direction */
+    int32_t demand; /* the position in whole microsteps */
+    int32_t steps; /* microsteps of this tick */
+    int32_t target; /* of profile position, in microsteps */
+
+    ods_motor_answer_t answer; /* what the hardware said last */
+    uint32_t faults; /* conditions that were reported beside it: bit 1 << ods_condition_t */
     uint32_t conditions; /* those that hold since the last tick */
+    uint32_t limits; /* limits that were found at its end */
+
+    uint32_t flags;
+    uint32_t begun; /* when the phase began, in microseconds */
+    uint32_t still; /* ticks at standstill, as far as the setting delay counts them */
+    uint32_t faded_us; /* since the current last fell */
+    uint32_t outputs; /* as last told: an octet for each */
+
+    uint16_t word; /* the last controlword */
+    uint16_t before; /* the one before it, while it waits */
+    uint16_t delay; /* ticks that the phase still takes */
+    uint16_t wait; /* ticks of the pause at standstill */
+    uint16_t inside; /* ticks in the position window without a break */
+    uint16_t slow_down_ramp; /* offset of that of the last mode that has one; ODS_NOWHERE: none yet */
+    uint16_t shown_state; /* what the statusword shows of the state */
+    int16_t quick_stop; /* option code of the quick stop that is active */
+
+    uint8_t number;
+    int8_t fresh; /* the mode of a set-point that was taken since the last tick; 0: none was */
     uint8_t state; /* ods_pds_state_t */
+    uint8_t goal; /* where transition 5 leads, while it takes time */
+    uint8_t phase; /* what a transition waits for */
+    uint8_t stop; /* whether the state machine stops the axis, and on which slope */
+    uint8_t current; /* in steps of the driver */
+    uint8_t driver; /* ODS_DRIVER_... */
+
+    ods_encoder_t encoder;
+    ods_homing_t homing;
+    ods_cyclic_t cyclic;
 } ods_axis_t;
 
 typedef struct ods_node {
@@ -247,7 +315,7 @@ void ods_node_init(
     const ods_port_t *port,
     const ods_config_t *config);
 
-/* Power comes up. Before it only ods_node_input() may be called, to set the address switches. */
+/* Power comes up. Before it only ods_node_input(), ods_node_fault() and ods_node_motor() may be called. */
 void ods_node_power_on(ods_node_t *node, uint32_t now);
 
 /* A frame was received. */
@@ -264,6 +332,12 @@ void ods_node_input(ods_node_t *node, uint32_t now, ods_input_t input, uint8_t c
 
 /* The hardware of an axis reports that a condition holds or has ended. Acts at the next tick. */
 void ods_node_fault(ods_node_t *node, uint32_t now, uint8_t axis, ods_condition_t condition, int holds);
+
+/*
+ * The hardware of an axis has something new to say, outside of the port's callback `motor`. Acts at the next tick.
+ * What `ods_node_fault()` reported holds beside it.
+ */
+void ods_node_motor(ods_node_t *node, uint32_t now, uint8_t axis, const ods_motor_answer_t *answer);
 
 /* The CAN controller changed its state, or something happened to it. */
 void ods_node_can(ods_node_t *node, uint32_t now, ods_can_t event);

@@ -32,6 +32,10 @@ int board_nvm_write(uint32_t address, uint8_t octet);
 
 void board_set_output(ods_output_t output, uint8_t channel, uint32_t value);
 
+/* Parameters and motion of an axis, see motor_set and motor in ods/port.h. */
+void board_motor_set(uint8_t axis, uint16_t parameter, int32_t value);
+void board_motor(uint8_t axis, const ods_motor_demand_t *demand, ods_motor_answer_t *answer);
+
 /* The input lines: bit n is INn, 1 is active. */
 uint32_t board_digital_inputs(void);
 

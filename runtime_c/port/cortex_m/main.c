@@ -70,6 +70,18 @@ static int write_nvm(void *context, uint32_t address, uint8_t octet)
     return board_nvm_write(address, octet);
 }
 
+static void set_motor(void *context, uint8_t axis, uint16_t parameter, int32_t value)
+{
+    (void)context;
+    board_motor_set(axis, parameter, value);
+}
+
+static void drive_motor(void *context, uint8_t axis, const ods_motor_demand_t *demand, ods_motor_answer_t *answer)
+{
+    (void)context;
+    board_motor(axis, demand, answer);
+}
+
 /* ---- the main loop --------------------------------------------------------------------------------------------- */
 
 static void receive_frames(void)
@@ -128,6 +140,8 @@ int main(void)
         .bus = join_bus,
         .nvm_read = read_nvm,
         .nvm_write = write_nvm,
+        .motor_set = set_motor,
+        .motor = drive_motor,
     };
     ods_config_t config = { 0 };
 

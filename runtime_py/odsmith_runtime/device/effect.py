@@ -59,7 +59,7 @@ def apply(node: Node, cell: Cell) -> None:
     """The value is in place."""
     axis = cell.instance.axis
     if axis is not None:
-        node.axes[axis].written(cell.entry.effect)
+        node.axes[axis].written(cell)
         return
     match cell.entry.effect:
         case Effect.GUARD_TIME:

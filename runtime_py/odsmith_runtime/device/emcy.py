@@ -104,6 +104,19 @@ class Emcy:
         """Whether a condition with the reaction of a warning is among these."""
         return any(row.reaction == Reaction.WARNING and row.condition in conditions for row in self._rows)
 
+    def driver_flags(self, conditions: Set[str]) -> int:
+        """What the driver error flags show of conditions."""
+        flags = 0
+        for row in self._rows:
+            if row.condition in conditions:
+                flags |= row.driver_flag
+        return flags
+
+    def has_fault_cause(self, conditions: Set[str]) -> bool:
+        """Whether one of these conditions, or of those of the device, is a fault."""
+        present = self.conditions | conditions
+        return any(row.reaction in _FAULTS and row.condition in present for row in self._rows)
+
     def reset(self) -> None:
         """Forget what is queued."""
         self._queue.clear()

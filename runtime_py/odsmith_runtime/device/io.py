@@ -84,8 +84,12 @@ class Io:
         mask: int = values.output_mask >> _FIRST_BIT
         self._masked = self._masked & ~mask | values.digital_outputs >> _FIRST_BIT & mask
         blocks: int = sum(block << 8 * n for n, block in enumerate(values.output_blocks))
-        outputs: int = (self._masked | blocks) & self._output_lines
+        outputs: int = (self._masked | blocks) & self._output_lines & ~self._brakes()
         return outputs
+
+    def _brakes(self) -> int:
+        """Outputs that feed brakes: OUTn that of axis n, while it is controlled automatically (200Ch)."""
+        return sum(1 << axis.number for axis in self._node.axes if axis.motor.has_brake)
 
 
 def _signed_16(value: int) -> int:

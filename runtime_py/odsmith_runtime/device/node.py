@@ -34,7 +34,7 @@ from .nmt import Nmt
 from .od import Cell, Instance, Od
 from .os_command import OsCommand
 from .pdo import Pdos
-from .port import Can, Frame, Input, Port
+from .port import Can, Frame, Input, MotorAnswer, Port
 from .sdo import Sdo
 from .store import Store
 from .timing import HORIZON_US, MASK, TICK_US, US_PER_MS, Timers, before
@@ -75,12 +75,12 @@ class Node:
         self.nmt = Nmt(self, tables.nmt_states, tables.nmt_commands, tables.error_behaviour)
         self.store = Store(self, tables.layout, tables.storage_groups)
         self.pdo = Pdos(self, tables.dictionary.max_pdo_entries)
-        self.axes = tuple(Axis(self, number) for number in range(len(self.od.axes)))
+        self.axes = tuple(Axis(self, number, tables) for number in range(len(self.od.axes)))
 
     # ---- events ------------------------------------------------------------------------------------------------------
 
     def power_on(self, now: int) -> None:
-        """Power comes up. Before it only `input` and `fault` may be called."""
+        """Power comes up. Before it only `input`, `fault` and `motor` may be called."""
         self.timers.deadlines.clear()
         self.timers.now = now & MASK
         self.timers.tick_at = now + TICK_US & MASK
@@ -88,11 +88,15 @@ class Node:
         self.nmt.power_on()
         self.can.state = Can.OK
         self.leds.power_on()
+        for axis in self.axes:
+            axis.motor.power_up()
         self.nmt.reset_node()
         self.work &= ~Work.OUTPUT
         self._finish()
         self.leds.put(all=True)
         self.io.put(all=True)
+        for axis in self.axes:
+            axis.motor.put()
 
     def receive(self, now: int, frame: Frame) -> None:
         """A frame was received."""
@@ -127,6 +131,17 @@ class Node:
             faults.add(condition)
         else:
             faults.discard(condition)
+
+    def motor(self, now: int, axis: int, answer: MotorAnswer) -> None:
+        """The hardware of an axis has something new to say, outside of the port's `motor`. Acts at the next tick.
+
+        What `fault` reported holds beside it.
+        """
+        if self.id:
+            self._catch_up(now)
+            self.timers.arm_tick()
+        self.axes[axis].answer = answer
+        self._end_turn()
 
     def report_can(self, now: int, event: Can) -> None:
         """The CAN controller changed its state, or something happened to it."""
@@ -220,6 +235,8 @@ class Node:
         self.io.tick()
         for axis in self.axes:
             axis.tick()
+        for axis in self.axes:
+            axis.drive()
         if any(axis.is_armed for axis in self.axes):
             self.timers.arm_tick()
 
@@ -240,4 +257,6 @@ class Node:
         if Work.OUTPUT in self.work:
             self.leds.put(all=False)
             self.io.put(all=False)
+            for axis in self.axes:
+                axis.motor.put()
         self.work = Work(0)

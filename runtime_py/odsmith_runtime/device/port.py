@@ -6,7 +6,7 @@ it asks of its port. Time is a count of microseconds in 32 bits, which wraps.
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import NamedTuple
 
 
@@ -30,6 +30,19 @@ class Output(IntEnum):
     ERROR_LED = 1  # 0 or 1
     DIGITAL = 2  # general purpose outputs: bit n is OUTn
     ANALOG = 3  # analog output `channel`, 16 bits
+    POWER = 4  # power stage of axis `channel`, 0 or 1; from here on 0 at power-on without being told
+    BRAKE = 5  # current into the brake of axis `channel`, 0 to 255 as in 200Ch
+    CURRENT = 6  # current of motor `channel` in 32nds of the full one; 0: the motor turns freely
+    DRIVER = 7  # how driver `channel` runs its motor: the bits of DriverFlags
+
+
+class DriverFlags(IntFlag):
+    """What the driver of a motor does at the present speed."""
+
+    COOL_STEP = 1  # faster than 20A5h: the current follows the load
+    STEALTH_CHOP = 2  # slower than 20B0h
+    DC_STEP = 4  # not slower than 20B3h, unless that is 0
+    HIGH_SPEED = 8  # faster than 20B6h: what 20B7h and 20B8h ask for
 
 
 class Input(IntEnum):
@@ -39,6 +52,33 @@ class Input(IntEnum):
     ENABLE = 1  # the enable input of the module, 1 at power-on
     DIGITAL = 2  # general purpose inputs: bit n is INn
     ANALOG = 3  # a reading of analog input `channel`, 16 bits; more counts as FFFFh
+
+
+class Lines(IntFlag):
+    """Lines of an axis, as they are: what 2005h says of them is the business of the node."""
+
+    LEFT = 1  # limit switch of the negative direction
+    RIGHT = 2  # limit switch of the positive direction
+    HOME = 4
+    INDEX = 8  # N channel of the encoder
+
+
+class MotorDemand(NamedTuple):
+    """What an axis asks of its motor in a tick."""
+
+    steps: int = 0  # microsteps to make in this tick, negative backwards
+    velocity: int = 0  # at its end, in microsteps per second
+
+
+class MotorAnswer(NamedTuple):
+    """What the hardware of an axis has to say, sampled by the next tick."""
+
+    faults: frozenset[str] = frozenset()  # conditions that hold, by their names in the vocabulary
+    encoder: int = 0  # count of increments, which wraps as an INTEGER32
+    velocity: int = 0  # measured by the driver, in microsteps per second (2122h)
+    load: int = 0  # measured by the driver: 1023 idle, 0 stalled (2101h)
+    pwm_scale: int = 0  # of the driver in stealthChop (2121h)
+    lines: int = 0  # Lines
 
 
 class Can(IntEnum):
@@ -90,6 +130,20 @@ class Port:
     def nvm_write(self, address: int, octet: int) -> None:
         """Write an octet. It is complete when the call returns. Raises MemoryFailure."""
         raise MemoryFailure
+
+    def motor_set(self, axis: int, parameter: int, value: int) -> None:
+        """Set a parameter of the motor driver of an axis, which is the value of the object with this index in axis 0.
+
+        Called when it is written, and for all of them at power-on and reset node.
+        """
+
+    def motor(self, axis: int, demand: MotorDemand, answer: MotorAnswer) -> MotorAnswer:
+        """A tick of an axis is over: make its steps; gives what the hardware has to say to the next tick.
+
+        `answer` is what it said last. Called in each tick for every axis, in ascending order, after all axes have been
+        worked off; not called while nothing moves.
+        """
+        return answer
 
     def os_command(self, command: bytes) -> tuple[OsStatus, bytes]:
         """Carry out a command of 7 octets; gives its status and reply, which is cut or filled up to 7 octets."""

@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from ..emergencies import EmergencyTable
     from ..identity import Identity
     from ..leds import Led
+    from ..modes import HomingMethodInfo, ModeInfo
     from ..nmt import NmtCommandInfo, NmtStateInfo
-    from ..state_machine import PdsStateInfo
+    from ..state_machine import PdsStateInfo, StateMachine
 
 
 class Tables(NamedTuple):
@@ -27,6 +28,9 @@ class Tables(NamedTuple):
     emergencies: EmergencyTable
     leds: Mapping[str, Led]
     pds_states: Mapping[str, PdsStateInfo]
+    state_machine: StateMachine | None
+    modes: Mapping[int, ModeInfo]
+    homing_methods: Mapping[int, HomingMethodInfo]
     layout: int
     storage_groups: tuple[str, ...]
 
@@ -43,6 +47,9 @@ class Tables(NamedTuple):
             emergencies=package.EMERGENCIES,
             leds=package.LEDS,
             pds_states=machine.states if machine else {},
+            state_machine=machine,
+            modes=getattr(package, "MODES", {}),
+            homing_methods=getattr(package, "HOMING_METHODS", {}),
             layout=package.LAYOUT,
             storage_groups=tuple(package.STORAGE_GROUPS),
         )

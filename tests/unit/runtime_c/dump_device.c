@@ -50,6 +50,10 @@ static void print_drive(const ods_device_t *device)
         const ods_ramp_row_t *const row = &device->ramp[n];
         printf("ramp %u %" PRIu32 " %u\n", row->parameter, index_of(device, row->field.at), row->field.type);
     }
+    for (uint32_t n = 0; n < device->motor_parameter_count; n++) {
+        const ods_motor_parameter_row_t *const row = &device->motor_parameters[n];
+        printf("motor_parameter %u %" PRIu32 " %u\n", row->index, index_of(device, row->field.at), row->field.type);
+    }
 }
 
 static void print_device(const ods_device_t *device)
@@ -86,7 +90,7 @@ static void print_device(const ods_device_t *device)
             printf(" %u", row->bytes[octet]);
         }
         printf(" %u %u %u", row->axis_byte, row->error_register, row->condition);
-        printf(" %u %u\n", row->reaction, row->momentary);
+        printf(" %u %u %u\n", row->reaction, row->momentary, row->driver_flag);
     }
     for (uint32_t n = 0; n < device->store_count; n++) {
         const ods_store_row_t *const row = &device->stores[n];

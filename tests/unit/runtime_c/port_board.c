@@ -51,6 +51,21 @@ void board_set_output(ods_output_t output, uint8_t channel, uint32_t value)
     }
 }
 
+/* A motor that goes where it is told, and says nothing of it. */
+void board_motor_set(uint8_t axis, uint16_t parameter, int32_t value)
+{
+    (void)axis;
+    (void)parameter;
+    (void)value;
+}
+
+void board_motor(uint8_t axis, const ods_motor_demand_t *demand, ods_motor_answer_t *answer)
+{
+    (void)axis;
+    (void)demand;
+    (void)answer;
+}
+
 uint32_t board_digital_inputs(void)
 {
     return inputs;

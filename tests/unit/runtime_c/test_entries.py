@@ -1,7 +1,7 @@
 """Every entry of both dictionaries over the bus: read, written inside and beside its limits and with wrong lengths.
 
-What a write does beside keeping the value is named by its effect. `KEPT` are the effects that do nothing yet as long as
-the axes rest; each of the others has a case of its own, found by its name.
+What a write does beside keeping the value is named by its effect. Each effect has a case of its own, found by its name,
+here or, if it is one of an axis, in `test_axis_effects.py`.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from collections.abc import Callable
 import pytest
 from tests.cross.driver import Testee
 from tests.cross.expected import code, encode, entries, places, power_on_value, role, size, writable
+from tests.unit.runtime_c import test_axis_effects
 
 from odsmith.model import Device, Entry
 
@@ -26,7 +27,7 @@ MS = 1000
 KEPT = {
     "value",
     "bus_setting",
-    # of an axis: they count when it moves
+    # of an axis: they act as well
     "controlword",
     "mode",
     "target_position",
@@ -49,8 +50,13 @@ KEPT = {
     "encoder_parameter",
     "encoder_latch",
     "driver_parameter",
+    "driver_current",
+    "speed_threshold",
 }
-"""Effects whose entries simply keep every value that they allow."""
+"""Effects whose entries keep every value that they allow."""
+
+IDLE = {"value", "bus_setting"}
+"""Effects that do nothing before the next power-on."""
 
 JUDGED = {
     "cob_id_sync",
@@ -116,9 +122,10 @@ def bad_values(device: Device, entry: Entry) -> list[tuple[int, int]]:
 
 def test_each_effect_has_its_case(device: Device) -> None:
     effects = {item.entry.effect for item in writable(device)}
-    cases = {name.removeprefix("test_effect_") for name in globals() if name.startswith("test_effect_")}
-    assert effects - KEPT <= cases
-    assert not cases & KEPT
+    names = (*globals(), *vars(test_axis_effects))
+    cases = {name.removeprefix("test_effect_") for name in names if name.startswith("test_effect_")}
+    assert effects - IDLE <= cases
+    assert not cases & IDLE
     assert cases >= JUDGED
 
 

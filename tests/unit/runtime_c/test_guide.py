@@ -64,9 +64,9 @@ def test_nothing_is_left_out(guide: str, root: Path) -> None:
     callbacks = re.findall(r"\(\*(\w+)\)\(", (runtime / "include" / "ods" / "port.h").read_text())
     board = re.findall(r"^\w.*?\b((?:board|main)_\w+)\(", (runtime / "port/cortex_m/board.h").read_text(), re.MULTILINE)
     node = re.findall(r"^\w.*?\b(ods_\w+)\(", (runtime / "include" / "ods" / "node.h").read_text(), re.MULTILINE)
-    assert len(callbacks) == 6
+    assert len(callbacks) == 8
     assert len(board) > 10
-    told = {"ods_node_advance", "ods_node_next", "ods_node_input", "ods_node_fault", "ods_store_size"}
+    told = {"ods_node_advance", "ods_node_next", "ods_node_input", "ods_node_fault", "ods_node_motor", "ods_store_size"}
     assert told < set(node)
     for name in (*callbacks, *board, *told):
         assert re.search(rf"\b{name}\b", guide), name

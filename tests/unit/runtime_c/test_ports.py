@@ -55,7 +55,7 @@ def feed(program: Path, lines: str, *arguments: str | Path, status: int = 0) -> 
 
 
 @pytest.mark.parametrize(("compiler", "flags"), COMPILERS)
-@pytest.mark.parametrize("port", ["host", "linux", "cortex_m"])
+@pytest.mark.parametrize("port", ["host", "linux", "cortex_m", "simulation"])
 def test_no_warning(
     ctree: Any, run: Any, compiles: Any, root: Path, tmp_path: Path, port: str, compiler: str, flags: tuple[str, ...]
 ) -> None:

@@ -178,6 +178,7 @@ def _expected_tables(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
                     numbers[emergency.condition],
                     list(vocabulary.reactions).index(emergency.reaction),
                     int(emergency.momentary),
+                    emergency.driver_flag,
                 ),
             )
         )
@@ -216,11 +217,14 @@ def _expected_drive(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
         switch, reverse_at = switches.index(method.switch), switches.index(method.reverse_at)
         flags = int(method.index_pulse) | int(method.needs_power) << 1
         yield f"homing {method.method} {method.direction} {method.edge} {switch} {reverse_at} {flags}"
-    types = {"UNSIGNED16": 5, "UNSIGNED32": 6}
+    types = {"UNSIGNED8": 4, "UNSIGNED16": 5, "UNSIGNED32": 6, "INTEGER8": 8}
     for number, parameter in enumerate(device.ramp):
         held_by = device.object(parameter.object)
         assert held_by
         yield f"ramp {number} {held_by.index} {types[held_by.entries[0].type]}"
+    for obj in device.objects:
+        if any(entry.effect and device.effects[entry.effect].to_driver for entry in obj.entries):
+            yield f"motor_parameter {obj.index} {obj.index} {types[obj.entries[0].type]}"
 
 
 def test_what_refuses_is_guarded() -> None:

@@ -89,6 +89,7 @@ def emergency(name: str, code: int, *octets: int | str) -> Emergency:
         condition="",
         reaction="none",
         momentary=False,
+        driver_flag=0,
         cause="",
         remedy="",
     )

@@ -78,6 +78,10 @@ typedef struct {
     int32_t software_position_limit_maximum; /* Largest position allowed. */
     uint32_t stop_on_stall; /* Speed above which a stall stops the axis; 0 is off. */
     uint32_t switch_parameters; /* Which limit and home switches count and their polarity. */
+    uint32_t smart_energy_threshold_speed; /* Speed above which coolStep works. */
+    uint32_t pwm_threshold_speed; /* Speed below which stealthChop works; 0 is off. */
+    uint32_t dcstep_minimum_speed; /* Speed from which on dcStep works; 0 is off. */
+    uint32_t fullstep_threshold_speed; /* Speed above which the driver works as for high speed. */
     uint32_t encoder_increments; /* Increments of the encoder; 0 takes it out of use. */
     uint32_t encoder_motor_revolutions; /* Motor revolutions that they belong to. */
     int32_t latched_internal_position; /* Demanded position at the latched index pulse. */
@@ -111,6 +115,8 @@ typedef struct {
     uint8_t microstep_resolution; /* Microsteps per fullstep as a power of two. */
     uint8_t maximum_current; /* Motor current while moving. */
     uint8_t standby_current; /* Motor current at standstill. */
+    uint8_t power_down_ramp; /* How slowly the current then falls. */
+    uint8_t chopper_off_time; /* Slow decay of the chopper; 0: the motor turns freely. */
     uint8_t brake_current_feed_apply; /* Current into an applied brake. */
     uint8_t brake_current_feed_release; /* Current into a released brake. */
     uint8_t velocity_dimension_index; /* Unit of velocities and accelerations. */

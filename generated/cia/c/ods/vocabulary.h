@@ -340,7 +340,7 @@ typedef enum {
     /* Target reached is judged anew at the next tick and the time in the window starts again. */
     ODS_EFFECT_POSITION_WINDOW,
     ODS_EFFECT_STOP_ON_STALL, /* Speed and load are compared with the new threshold at the next tick. */
-    /* Handed to the motor port and shown in the display object. Positions keep their numbers. */
+    /* Handed to the motor driver and shown in the display object. Positions keep their numbers. */
     ODS_EFFECT_MICROSTEP_RESOLUTION,
     ODS_EFFECT_CURRENT, /* The motor current is chosen anew, from the running or the standby value, at the next tick. */
     /*
@@ -361,6 +361,8 @@ typedef enum {
     ODS_EFFECT_ENCODER_PARAMETER,
     ODS_EFFECT_ENCODER_LATCH, /* The new mode counts for the next index pulse. The latched positions stay until then. */
     ODS_EFFECT_DRIVER_PARAMETER, /* Handed to the motor driver as it is; no motion logic depends on it. */
+    ODS_EFFECT_DRIVER_CURRENT, /* Handed to the motor driver; the motor current is chosen anew at the next tick. */
+    ODS_EFFECT_SPEED_THRESHOLD, /* Handed to the motor driver; compared with the speed of the axis at the next tick. */
     ODS_EFFECTS,
 } ods_effect_t;
 
@@ -382,6 +384,22 @@ typedef enum {
     ODS_LED_WHEN_BUS_OFF,
     ODS_LED_WHENS,
 } ods_led_when_t;
+
+/* Units of `velocity`: their codes in `velocity_dimension_index`, and how much microstep/s a count is. */
+#define ODS_VELOCITY_PPS_CODE 181
+#define ODS_VELOCITY_PPS_NUMERATOR 1
+#define ODS_VELOCITY_PPS_DENOMINATOR 1
+#define ODS_VELOCITY_INTERNAL_CODE 0
+#define ODS_VELOCITY_INTERNAL_NUMERATOR 15625
+#define ODS_VELOCITY_INTERNAL_DENOMINATOR 16384
+
+/* Units of `acceleration`: their codes in `acceleration_dimension_index`, and how much microstep/s^2 a count is. */
+#define ODS_ACCELERATION_PPS_CODE 179
+#define ODS_ACCELERATION_PPS_NUMERATOR 1
+#define ODS_ACCELERATION_PPS_DENOMINATOR 1
+#define ODS_ACCELERATION_INTERNAL_CODE 0
+#define ODS_ACCELERATION_INTERNAL_NUMERATOR 244140625
+#define ODS_ACCELERATION_INTERNAL_DENOMINATOR 2097152
 
 #ifdef __cplusplus
 }

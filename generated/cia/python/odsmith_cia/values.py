@@ -17,7 +17,9 @@ class AxisValues:
         "brake_current_feed_release": "Current into a released brake.",
         "brake_delay_times_apply": "Time that the brake takes to hold.",
         "brake_delay_times_release": "Time that the brake takes to open.",
+        "chopper_off_time": "Slow decay of the chopper; 0: the motor turns freely.",
         "controlword": "Last controlword written; edges are found against it.",
+        "dcstep_minimum_speed": "Speed from which on dcStep works; 0 is off.",
         "digital_inputs": "Limit and home switches of the axis and the general inputs.",
         "disable_operation_option_code": "How an axis in operation is disabled.",
         "driver_error_flags": "Error flags of the motor driver.",
@@ -32,6 +34,7 @@ class AxisValues:
         "fault_reaction_option_code": "How an axis comes to rest after a fault.",
         "following_error_window": "Largest lag of the actual position; 0 is off.",
         "fullstep_resolution": "Full steps per revolution of the motor.",
+        "fullstep_threshold_speed": "Speed above which the driver works as for high speed.",
         "halt_option_code": "How the halt bit stops an axis.",
         "home_offset": "Distance from the home position to the zero position.",
         "home_offset_display": "Home offset that the last homing took into force.",
@@ -56,6 +59,7 @@ class AxisValues:
         "position_window": "Distance from the target that counts as reached.",
         "position_window_time": "Time in the window before the target counts as reached.",
         "positioning_option_code": "What a relative target counts from.",
+        "power_down_ramp": "How slowly the current then falls.",
         "profile_a1": "Acceleration below the velocity V1.",
         "profile_acceleration": "Acceleration of profile position and profile velocity.",
         "profile_d1": "Deceleration below the velocity V1.",
@@ -64,12 +68,14 @@ class AxisValues:
         "profile_v1": "Speed at which the ramp changes its slope; 0 makes it a trapezoid.",
         "profile_velocity": "Cruising speed of a positioning move.",
         "pwm_scale_value": "PWM scale that the driver uses in stealthChop.",
+        "pwm_threshold_speed": "Speed below which stealthChop works; 0 is off.",
         "quick_stop_deceleration": "Deceleration of a quick stop and of a fault reaction.",
         "quick_stop_option_code": "Ramp of a quick stop and what follows it.",
         "ramp_wait_time": "Pause at standstill before the next move or a reversal.",
         "sensor_selection_code": "Where the velocity actual value comes from.",
         "setting_delay": "Time at standstill before the standby current applies.",
         "shutdown_option_code": "How an axis in operation is shut down.",
+        "smart_energy_threshold_speed": "Speed above which coolStep works.",
         "software_position_limit_maximum": "Largest position allowed.",
         "software_position_limit_minimum": "Smallest position allowed.",
         "standby_current": "Motor current at standstill.",
@@ -143,6 +149,8 @@ class AxisValues:
         self.maximum_current = 0
         self.standby_current = 0
         self.setting_delay = 0
+        self.power_down_ramp = 0
+        self.chopper_off_time = 0
         self.brake_delay_times_apply = 0
         self.brake_delay_times_release = 0
         self.enable_drive_delay_time = 0
@@ -150,6 +158,10 @@ class AxisValues:
         self.brake_current_feed_release = 0
         self.switch_parameters = 0
         self.velocity_dimension_index = 0
+        self.smart_energy_threshold_speed = 0
+        self.pwm_threshold_speed = 0
+        self.dcstep_minimum_speed = 0
+        self.fullstep_threshold_speed = 0
         self.fullstep_resolution = 0
         self.encoder_increments = 0
         self.encoder_motor_revolutions = 0

@@ -44,7 +44,7 @@ class Condition(choices.Word):
     LIMIT_SWITCH_NEGATIVE = "limit_switch_negative", "The negative limit switch is active and the axis is not homing."
 
 
-class Effect(choices.Word):
+class Effect(choices.EffectWord):
     """What writing an entry does."""
 
     VALUE = "value", "The value is kept and used the next time it is looked at. Nothing else happens."
@@ -240,7 +240,8 @@ class Effect(choices.Word):
     STOP_ON_STALL = "stop_on_stall", "Speed and load are compared with the new threshold at the next tick."
     MICROSTEP_RESOLUTION = (
         "microstep_resolution",
-        "Handed to the motor port and shown in the display object. Positions keep their numbers.",
+        "Handed to the motor driver and shown in the display object. Positions keep their numbers.",
+        True,
     )
     CURRENT = "current", "The motor current is chosen anew, from the running or the standby value, at the next tick."
     BRAKE = (
@@ -269,7 +270,17 @@ class Effect(choices.Word):
         "encoder_latch",
         "The new mode counts for the next index pulse. The latched positions stay until then.",
     )
-    DRIVER_PARAMETER = "driver_parameter", "Handed to the motor driver as it is; no motion logic depends on it."
+    DRIVER_PARAMETER = "driver_parameter", "Handed to the motor driver as it is; no motion logic depends on it.", True
+    DRIVER_CURRENT = (
+        "driver_current",
+        "Handed to the motor driver; the motor current is chosen anew at the next tick.",
+        True,
+    )
+    SPEED_THRESHOLD = (
+        "speed_threshold",
+        "Handed to the motor driver; compared with the speed of the axis at the next tick.",
+        True,
+    )
 
 
 class PdsCommand(choices.Word):

@@ -1250,7 +1250,8 @@ DICTIONARY = Dictionary(
             ("allowed", ((0, 0), (2, 15))),
             ("listed", True),
             ("stored", "motor"),
-            ("effect", "driver_parameter"),
+            ("effect", "driver_current"),
+            ("role", "chopper_off_time"),
         ),
         0x2098_00: (
             "UNSIGNED8",
@@ -1362,7 +1363,8 @@ DICTIONARY = Dictionary(
             ("allowed", ((0, 2147483647),)),
             ("unit_name", "velocity"),
             ("stored", "motor"),
-            ("effect", "driver_parameter"),
+            ("effect", "speed_threshold"),
+            ("role", "smart_energy_threshold_speed"),
         ),
         0x20B0_00: (
             "UNSIGNED32",
@@ -1372,7 +1374,8 @@ DICTIONARY = Dictionary(
             ("allowed", ((0, 16777215),)),
             ("unit_name", "velocity"),
             ("stored", "motor"),
-            ("effect", "driver_parameter"),
+            ("effect", "speed_threshold"),
+            ("role", "pwm_threshold_speed"),
         ),
         0x20B1_00: (
             "UNSIGNED8",
@@ -1400,7 +1403,8 @@ DICTIONARY = Dictionary(
             ("allowed", ((0, 16777215),)),
             ("unit_name", "velocity"),
             ("stored", "motor"),
-            ("effect", "driver_parameter"),
+            ("effect", "speed_threshold"),
+            ("role", "dcstep_minimum_speed"),
         ),
         0x20B4_00: (
             "UNSIGNED16",
@@ -1428,7 +1432,8 @@ DICTIONARY = Dictionary(
             ("allowed", ((0, 16777215),)),
             ("unit_name", "velocity"),
             ("stored", "motor"),
-            ("effect", "driver_parameter"),
+            ("effect", "speed_threshold"),
+            ("role", "fullstep_threshold_speed"),
         ),
         0x20B7_00: (
             "UNSIGNED8",
@@ -1460,7 +1465,8 @@ DICTIONARY = Dictionary(
             ("allowed", ((0, 15),)),
             ("values_class", "PowerDownRamp"),
             ("stored", "motor"),
-            ("effect", "driver_parameter"),
+            ("effect", "driver_current"),
+            ("role", "power_down_ramp"),
         ),
         0x2100_00: (
             "INTEGER32",

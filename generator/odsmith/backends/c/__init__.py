@@ -321,5 +321,6 @@ def _tables(storage: Storage) -> dict[str, object]:
         "pds_transitions": c_drive.pds_transitions(device),
         "homing_methods": c_drive.homing_methods(device),
         "ramp": c_drive.ramp(storage),
+        "motor_parameters": c_drive.motor_parameters(storage),
         "abort_codes": [(names.constant("ODS_ABORT", code.name), code.why) for code in used],
     }

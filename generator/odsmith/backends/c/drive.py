@@ -84,6 +84,13 @@ class RampRow:
 
 
 @dataclass(frozen=True, slots=True)
+class MotorParameterRow:
+    index: str
+    field: str
+    type: str
+
+
+@dataclass(frozen=True, slots=True)
 class EmergencyRow:
     code: str
     bytes: str
@@ -92,6 +99,7 @@ class EmergencyRow:
     condition: str
     reaction: str
     momentary: int
+    driver_flag: int
     title: str
 
 
@@ -266,6 +274,18 @@ def ramp(storage: Storage) -> list[RampRow]:
     return rows
 
 
+def motor_parameters(storage: Storage) -> list[MotorParameterRow]:
+    """Values that the motor driver is told: all of them variables of an axis, as E424 has it."""
+    return [
+        MotorParameterRow(
+            hexadecimal(obj.index, 4), f"AT_AXIS({_axis_field(storage, obj, entry)})", C_TYPE_CODES[entry.type]
+        )
+        for obj in storage.device.objects
+        for entry in obj.entries
+        if entry.effect and storage.device.effects[entry.effect].to_driver
+    ]
+
+
 def emergencies(device: Device) -> list[EmergencyRow]:
     return [_emergency(device, row) for row in device.emergencies]
 
@@ -279,6 +299,7 @@ def _emergency(device: Device, row: Emergency) -> EmergencyRow:
         names.constant("ODS_CONDITION", row.condition),
         names.constant("ODS_REACTION", row.reaction),
         int(row.momentary),
+        row.driver_flag,
         row.title,
     )
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 from odsmith import names
 from odsmith.backends.c.storage import Field, by_size, role_field, sized_by_device
-from odsmith.backends.c.text import Constant, Group, hexadecimal
-from odsmith.vocabulary import Condition, Named, PdsState, Vocabulary
+from odsmith.backends.c.text import Constant, Group, hexadecimal, signed
+from odsmith.vocabulary import Condition, Effect, Named, PdsState, Vocabulary
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +59,7 @@ def groups(vocabulary: Vocabulary) -> list[Group]:
         _counted("What writing an entry does.", "ods_effect", "ODS_EFFECT", vocabulary.effects.values()),
         _counted("LEDs.", "ods_led", "ODS_LED", (Named(led.name, led.title) for led in vocabulary.leds)),
         _counted("Reasons to show an LED pattern.", "ods_led_when", "ODS_LED_WHEN", _whens(vocabulary)),
+        *_units(vocabulary),
     ]
 
 
@@ -147,7 +148,24 @@ def _whens(vocabulary: Vocabulary) -> Iterator[Named]:
                     yield Named(when, "")
 
 
-def _counted(text: str, name: str, prefix: str, items: Iterable[Named | Condition | PdsState]) -> Group:
+def _units(vocabulary: Vocabulary) -> Iterator[Group]:
+    """Units between which an object chooses, for a runtime has to reckon in each of them."""
+    for chosen in vocabulary.units.values():
+        constants = []
+        for code, name in chosen.options:
+            unit = vocabulary.units[name]
+            numbers = (("CODE", code), ("NUMERATOR", unit.numerator), ("DENOMINATOR", unit.denominator))
+            constants += [
+                Constant(names.constant("ODS", name, what), signed(number), place=unit.place)
+                for what, number in numbers
+            ]
+        yield Group(
+            f"Units of `{chosen.name}`: their codes in `{chosen.selected_by}`, and how much {chosen.base} a count is.",
+            tuple(constants),
+        )
+
+
+def _counted(text: str, name: str, prefix: str, items: Iterable[Named | Effect | Condition | PdsState]) -> Group:
     """An enumeration that counts from 0 and ends with the number of its members, so that it is never empty."""
     members = [Constant(names.constant(prefix, item.name), "", item.text, item.place) for item in items]
     return _enumeration(text, name, [*members, Constant(f"{prefix}S", "")])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from odsmith import names
@@ -28,6 +28,8 @@ class Enumeration:
     doc: str
     members: tuple[str, ...]
     aliases: tuple[str, ...] = ()
+    base: str = "Word"
+    """The class of `odsmith_runtime.choices` that words are made of."""
 
 
 def value_tables(device: Device) -> Iterator[Enumeration]:
@@ -121,11 +123,19 @@ def register_bits(vocabulary: Vocabulary) -> Iterator[Enumeration]:
 def words(vocabulary: Vocabulary) -> Iterator[Enumeration]:
     """Names that the rows of devices use."""
     yield _word_list("Condition", "What raises an emergency.", vocabulary.conditions.values())
-    yield _word_list("Effect", "What writing an entry does.", vocabulary.effects.values())
+    yield _effects(vocabulary)
     yield _word_list("PdsCommand", "Commands of the state machine (CiA 402).", vocabulary.pds_commands)
     yield _word_list("PdsEvent", "Events of the state machine.", vocabulary.pds_events)
     yield _word_list("PdsState", "States of the state machine (CiA 402).", vocabulary.pds_states)
     yield _word_list("Reaction", "What an axis does about an emergency.", vocabulary.reactions.values())
+
+
+def _effects(vocabulary: Vocabulary) -> Enumeration:
+    members = (
+        (effect.name, (effect.name, effect.text, True) if effect.to_driver else (effect.name, effect.text))
+        for effect in vocabulary.effects.values()
+    )
+    return replace(_enumeration("Effect", "What writing an entry does.", members), base="EffectWord")
 
 
 def _word_list(name: str, doc: str, words: Iterable[Any]) -> Enumeration:

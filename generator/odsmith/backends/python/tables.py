@@ -213,7 +213,9 @@ def abort_codes(device: Device) -> Table:
 
 
 def emergencies(device: Device) -> tuple[Call, ...]:
-    columns = "name code:4 title bytes register register_mask condition reaction momentary cause remedy source"
+    columns = (
+        "name code:4 title bytes register register_mask condition reaction momentary driver_flag cause remedy source"
+    )
     return tuple(
         _row("Emergency", row, columns, register_mask=_register_mask(device, row)) for row in device.emergencies
     )

@@ -130,6 +130,7 @@ const ods_device_t toy_device = {
     .pds_transition_count = 25,
     .homing_count = 0,
     .ramp_count = 0,
+    .motor_parameter_count = 0,
     .nmt_states = nmt_states,
     .nmt_commands = nmt_commands,
     .error_behaviours = NULL,
@@ -143,4 +144,5 @@ const ods_device_t toy_device = {
     .pds_transitions = pds_transitions,
     .homing_methods = NULL,
     .ramp = NULL,
+    .motor_parameters = NULL,
 };

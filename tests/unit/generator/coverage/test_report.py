@@ -59,7 +59,7 @@ def test_text(run: Run) -> None:
     assert lines[-3:] == [
         "sections      15 of 15 accounted for (100 %): 12 modelled, 1 without facts, 2 in its sections",
         "tables        28 of 28 accounted for (100 %): 26 modelled, 2 without facts",
-        "elements      163, 163 of them say where they come from",
+        "elements      165, 165 of them say where they come from",
     ]
 
 

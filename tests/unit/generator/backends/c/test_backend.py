@@ -135,6 +135,14 @@ def test_vocabulary(files: dict[str, str]) -> None:
         "    ODS_PDS_EVENT_FAULT,",
         "    ODS_EFFECT_CONTROLWORD,",
         "    ODS_CONDITIONS,",
+        "#define ODS_VELOCITY_PPS_CODE 181",
+        "#define ODS_VELOCITY_PPS_NUMERATOR 1",
+        "#define ODS_VELOCITY_INTERNAL_CODE 0",
+        "#define ODS_VELOCITY_INTERNAL_NUMERATOR 15625",
+        "#define ODS_VELOCITY_INTERNAL_DENOMINATOR 16384",
+        "#define ODS_ACCELERATION_PPS_CODE 179",
+        "#define ODS_ACCELERATION_INTERNAL_NUMERATOR 244140625",
+        "#define ODS_ACCELERATION_INTERNAL_DENOMINATOR 2097152",
     ):
         assert re.search(rf"^{re.escape(line)}( /\*|$)", words, re.MULTILINE), line
     assert "\n    uint16_t controlword; /*" in values

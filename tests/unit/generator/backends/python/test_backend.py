@@ -341,7 +341,7 @@ def test_every_row_of_the_tables(package: Package) -> None:
         (
             module.EMERGENCIES,
             model.emergencies,
-            "name code title bytes register condition reaction momentary cause remedy source per_axis",
+            "name code title bytes register condition reaction momentary driver_flag cause remedy source per_axis",
         ),
         (machine.states.values(), model.pds_states, "name title mask value power text source"),
         (machine.commands.values(), model.pds_commands, "name title mask value edge text source"),
@@ -854,6 +854,9 @@ def test_words_of_the_standards(cia: Any, vocabulary: Vocabulary) -> None:
     ]
     for words, rows in tables:
         assert [(word.value, word.text) for word in words] == [(row.name, row.text) for row in rows]
+    assert [word for word in cia.Effect if word.to_driver] == [
+        row.name for row in vocabulary.effects.values() if row.to_driver
+    ]
 
 
 def test_tables_of_the_standards(cia: Any, vocabulary: Vocabulary) -> None:
