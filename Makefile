@@ -2,6 +2,7 @@
 # make test   set up, run every test
 # make fast   the quick tests only
 # make lint   style and types
+# make engine                the C engine of virtual devices, compiled into the cache
 # make pictures            what the axes do, recorded and drawn anew
 # make bench  figures of speed and memory, beside the peers'
 # make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
@@ -20,8 +21,8 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long fuzz fuzz-short \
-    pictures clean
+.PHONY: all test fast lint engine bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long \
+    fuzz fuzz-short pictures clean
 
 all: $(SET_UP)
 	$(BIN)/odsmith build
@@ -86,6 +87,9 @@ fuzz: $(SET_UP)
 
 fuzz-short: $(SET_UP)
 	$(BIN)/python tests/fuzz/fuzz.py --seconds 60
+
+engine: $(SET_UP)
+	$(BIN)/odsmith engine tmcm3230 tmcm6212
 
 pictures: $(SET_UP)
 	$(BIN)/python docs/motion/draw.py

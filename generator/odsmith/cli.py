@@ -78,6 +78,32 @@ def _fail(message: str, hint: str, options: argparse.Namespace) -> int:
     return FAILED
 
 
+BUS_COMMANDS = {
+    "simulate": "put a virtual device on a bus, or serve it on a socket",
+    "inject": "do something to a virtual device: a fault, a switch, lost frames",
+    "replay": "feed a log to a bus, or compare a virtual device with it",
+    "decode": "say in words what a log or a live bus says",
+    "scan": "find the nodes of a bus, and say where they differ from their models",
+    "engine": "compile the C engine of virtual devices",
+}
+"""Commands with a module of their own in `odsmith.commands`."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """The parser of a command. Those of a bus load what they consist of when somebody gives them."""
+
+    module = ""
+
+    def parse_known_args(self, args=None, namespace=None):  # type: ignore[no-untyped-def]
+        if self.module:
+            from importlib import import_module
+
+            command = import_module(self.module)
+            command.add_arguments(self)
+            self.set_defaults(run=command.run)
+        return super().parse_known_args(args, namespace)
+
+
 class _Version(argparse.Action):
     """argparse's own version action wants the text beforehand, and finding it costs 30 ms."""
 
@@ -89,7 +115,7 @@ class _Version(argparse.Action):
 
 
 def _parser() -> argparse.ArgumentParser:
-    common = argparse.ArgumentParser(add_help=False)
+    common = _Parser(add_help=False)
     common.add_argument("--json", action="store_true", help="answer in JSON, for machines")
     common.add_argument(
         "--project", type=Path, default=Path(), metavar="DIR", help="the folder that has spec/ (default: .)"
@@ -98,7 +124,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="odsmith", description="Compile one YAML model of a CANopen device into EDS, C tables, Python and docs."
     )
     parser.add_argument("--version", action=_Version, nargs=0, help="print the version and exit")
-    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND", parser_class=_Parser)
 
     build = commands.add_parser("build", parents=[common], help="generate everything, or prove that it is fresh")
     build.add_argument("device", nargs="*", help="a device of the project, or a YAML file (default: all of spec/)")
@@ -146,6 +172,9 @@ def _parser() -> argparse.ArgumentParser:
         "--manual", type=Path, metavar="FILE", help="the text of the manual, to be compared cell by cell; of one device"
     )
     coverage.set_defaults(run=_coverage)
+
+    for name, text in BUS_COMMANDS.items():
+        commands.add_parser(name, parents=[common], help=text).module = f"odsmith.commands.{name}"
     return parser
 
 

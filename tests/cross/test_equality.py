@@ -68,7 +68,7 @@ def test_no_difference_is_known() -> None:
 
 
 @pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212", "io_module", "toy", "every_type"])
-@settings(suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=50, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_dialogue(
     name: str, data: st.DataObject, start_c: StartC, start_python: StartPython, request: pytest.FixtureRequest

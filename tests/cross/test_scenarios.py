@@ -5,13 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from _pytest.mark import ParameterSet
 from tests.cross.driver import Testee
 from tests.cross.scenario import Scenario, all_scenarios
 from tests.cross.testee import Bench
 
 from odsmith.model import Device
 
-each_scenario = pytest.mark.parametrize("scenario", all_scenarios(), ids=lambda scenario: scenario.name)
+LONG_US = 10_000_000
+"""What takes longer in the device takes long in Python, too."""
+
+
+def _parameter(scenario: Scenario) -> ParameterSet:
+    times = (int(step.line[2:]) for step in scenario.steps if step.line.startswith("T "))
+    marks = [pytest.mark.slow] if sum(times) > LONG_US else []
+    return pytest.param(scenario, id=scenario.name, marks=marks)
+
+
+each_scenario = pytest.mark.parametrize("scenario", [_parameter(scenario) for scenario in all_scenarios()])
 
 
 def play(scenario: Scenario, answer_to: Callable[[str], tuple[str, ...]]) -> None:

@@ -92,7 +92,7 @@ def test_the_files_of_a_project(files: Files, root: Path) -> None:
 def test_a_project_is_whole(files: Files, device: str) -> None:
     """Every header that is included is there, and CMake hears of every source file."""
     made = {output.path: output.content.decode() for output in files(device)}
-    folders = ("include", "device", "src", "port/host", "port/linux", "port/cortex_m", "port/simulation")
+    folders = ("include", "device", "src", "port/host", "port/linux", "port/cortex_m", "port/simulation", "port/engine")
     for path, text in made.items():
         for name in re.findall(r'^#include "(.+)"', text, re.MULTILINE):
             assert any(f"{folder}/{name}" in made for folder in folders), f"{path} includes {name}"

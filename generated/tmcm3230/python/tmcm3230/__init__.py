@@ -15,6 +15,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .abort_codes import ABORT_CODES as ABORT_CODES
     from .abort_codes import find_abort_code as find_abort_code
+    from .client import TMCM3230 as TMCM3230
+    from .client import AsyncTMCM3230 as AsyncTMCM3230
+    from .client import AsyncTMCM3230Axis as AsyncTMCM3230Axis
+    from .client import TMCM3230Axis as TMCM3230Axis
     from .dictionary import DICTIONARY as DICTIONARY
     from .dictionary import Dictionary as Dictionary
     from .emergencies import CONDITIONS as CONDITIONS
@@ -105,6 +109,7 @@ else:
         __name__,
         {
             "abort_codes": ("ABORT_CODES", "find_abort_code"),
+            "client": ("AsyncTMCM3230", "AsyncTMCM3230Axis", "TMCM3230", "TMCM3230Axis"),
             "dictionary": ("DICTIONARY", "Dictionary"),
             "emergencies": ("CONDITIONS", "EMERGENCIES", "REACTIONS", "find_emergency"),
             "enums": (

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from odsmith_runtime.names import Family as _Family
 from odsmith_runtime.names import Group as _Group
+from odsmith_runtime.names import H as _H
 from odsmith_runtime.names import Names as _Names
 from odsmith_runtime.names import Sub as _Sub
 from odsmith_runtime.names import Variable as _Variable
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from . import flags as _flags
 
 
-class StoreParameters(_Names):
+class StoreParameters(_Names[_H]):
     """Store parameters.
 
     Writing the signature `save` (65766173h) stores the present values so that they outlive power-off. Reading tells
@@ -83,7 +84,7 @@ class StoreParameters(_Names):
     """
 
 
-class RestoreParameters(_Names):
+class RestoreParameters(_Names[_H]):
     """Restore parameters.
 
     Writing the signature `load` (64616F6Ch) makes the defaults valid again; they come into force at the next reset.
@@ -156,7 +157,7 @@ class RestoreParameters(_Names):
     """
 
 
-class ConsumerHeartbeatTime(_Names):
+class ConsumerHeartbeatTime(_Names[_H]):
     """Consumer heartbeat time.
 
     Watches another node, usually the master. Watching begins with the first heartbeat heard, and begins anew after a
@@ -184,7 +185,7 @@ class ConsumerHeartbeatTime(_Names):
     """
 
 
-class Identity(_Names):
+class Identity(_Names[_H]):
     """Identity object.
 
     What a master compares to make sure that the right module is connected.
@@ -231,7 +232,7 @@ class Identity(_Names):
     """
 
 
-class OsCommand(_Names):
+class OsCommand(_Names[_H]):
     """OS command.
 
     Carries TMCL commands while TMCL direct communication is switched on. Seven bytes need a segmented transfer.
@@ -281,7 +282,7 @@ class OsCommand(_Names):
     """
 
 
-class ErrorBehaviour(_Names):
+class ErrorBehaviour(_Names[_H]):
     """Error behaviour.
 
     What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation enabled to
@@ -321,7 +322,7 @@ class ErrorBehaviour(_Names):
     """
 
 
-class RpdoCommunication(_Names):
+class RpdoCommunication(_Names[_H]):
     """RPDO n communication parameter.
 
     Where a received PDO comes from and when its content is applied.
@@ -358,7 +359,7 @@ class RpdoCommunication(_Names):
     """
 
 
-class RpdoMapping(_Names):
+class RpdoMapping(_Names[_H]):
     """RPDO n mapping parameter.
 
     Which objects a received PDO writes, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to
@@ -406,7 +407,7 @@ class RpdoMapping(_Names):
     """
 
 
-class TpdoCommunication(_Names):
+class TpdoCommunication(_Names[_H]):
     """TPDO n communication parameter.
 
     How a PDO is sent, and when.
@@ -473,7 +474,7 @@ class TpdoCommunication(_Names):
     """
 
 
-class TpdoMapping(_Names):
+class TpdoMapping(_Names[_H]):
     """TPDO n mapping parameter.
 
     Which objects a sent PDO carries, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to 0,
@@ -521,7 +522,7 @@ class TpdoMapping(_Names):
     """
 
 
-class BrakeDelayTimes(_Names):
+class BrakeDelayTimes(_Names[_H]):
     """Brake delay times.
 
     Times that let motor and brake hand the load over to each other. They count only while the automatic brake control
@@ -559,7 +560,7 @@ class BrakeDelayTimes(_Names):
     """
 
 
-class BrakeCurrentFeed(_Names):
+class BrakeCurrentFeed(_Names[_H]):
     """Brake current feed.
 
     Current that the brake output feeds in either state. Both 0 switch the automatic brake control off and leave the
@@ -597,7 +598,7 @@ class BrakeCurrentFeed(_Names):
     """
 
 
-class StepCounter(_Names):
+class StepCounter(_Names[_H]):
     """Step counter.
 
     How many microsteps the motor has made so far, in either direction, as one number or in two halves.
@@ -644,7 +645,7 @@ class StepCounter(_Names):
     """
 
 
-class DeviceDigitalOutputs(_Names):
+class DeviceDigitalOutputs(_Names[_H]):
     """Device digital outputs.
 
     The general purpose outputs of the module. Write the mask first: after power-on no output can be switched. An output
@@ -684,7 +685,7 @@ class DeviceDigitalOutputs(_Names):
     """
 
 
-class Store(_Names):
+class Store(_Names[_H]):
     """Store.
 
     Does the same as 1010h:02.
@@ -711,7 +712,7 @@ class Store(_Names):
     """
 
 
-class DeviceAnalogInputs(_Names):
+class DeviceAnalogInputs(_Names[_H]):
     """Device analog inputs.
 
     Readings of the analog inputs, not scaled to a voltage.
@@ -738,7 +739,7 @@ class DeviceAnalogInputs(_Names):
     """
 
 
-class SoftwarePositionLimit(_Names):
+class SoftwarePositionLimit(_Names[_H]):
     """Software position limit.
 
     Range of positions that the axis may take. Both limits are counted from the home position and are compared after the
@@ -779,7 +780,7 @@ class SoftwarePositionLimit(_Names):
     """
 
 
-class HomingSpeeds(_Names):
+class HomingSpeeds(_Names[_H]):
     """Homing speeds.
 
     Speeds of a homing. The switch is found fast; then the axis slows down and passes the edge slowly, which makes the
@@ -817,7 +818,7 @@ class HomingSpeeds(_Names):
     """
 
 
-class InterpolationTimePeriod(_Names):
+class InterpolationTimePeriod(_Names[_H]):
     """Interpolation time period.
 
     Time in which a cyclic mode moves from one set-point to the next: value times ten to the power of index, in seconds.
@@ -857,7 +858,7 @@ class InterpolationTimePeriod(_Names):
     """
 
 
-class DeviceObjects(_Names):
+class DeviceObjects(_Names[_H]):
     """Objects of the whole device: `DICTIONARY.device`."""
 
     device_type: _Variable[_flags.DeviceType] = _Variable(0x1000)
@@ -943,7 +944,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.8, tables 23, 24; CiA 301, 7.5.2.12.
     """
 
-    store_parameters: _Group[StoreParameters] = _Group(0x1010, StoreParameters)
+    store_parameters: _Group[StoreParameters[_H]] = _Group(0x1010, StoreParameters)
     """Store parameters (1010h).
 
     Writing the signature `save` (65766173h) stores the present values so that they outlive power-off. Reading tells
@@ -952,7 +953,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.9, tables 25, 26, 27; CiA 301, 7.5.2.13.
     """
 
-    restore_parameters: _Group[RestoreParameters] = _Group(0x1011, RestoreParameters)
+    restore_parameters: _Group[RestoreParameters[_H]] = _Group(0x1011, RestoreParameters)
     """Restore parameters (1011h).
 
     Writing the signature `load` (64616F6Ch) makes the defaults valid again; they come into force at the next reset.
@@ -982,7 +983,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.12, tables 33, 34; CiA 301, 7.5.2.18.
     """
 
-    consumer_heartbeat_time: _Group[ConsumerHeartbeatTime] = _Group(0x1016, ConsumerHeartbeatTime)
+    consumer_heartbeat_time: _Group[ConsumerHeartbeatTime[_H]] = _Group(0x1016, ConsumerHeartbeatTime)
     """Consumer heartbeat time (1016h).
 
     Watches another node, usually the master. Watching begins with the first heartbeat heard, and begins anew after a
@@ -1001,7 +1002,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.14, tables 38, 39; CiA 301, 7.5.2.20.
     """
 
-    identity: _Group[Identity] = _Group(0x1018, Identity)
+    identity: _Group[Identity[_H]] = _Group(0x1018, Identity)
     """Identity object (1018h).
 
     What a master compares to make sure that the right module is connected.
@@ -1009,7 +1010,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.15, tables 40, 41; CiA 301, 7.5.2.21.
     """
 
-    os_command: _Group[OsCommand] = _Group(0x1023, OsCommand)
+    os_command: _Group[OsCommand[_H]] = _Group(0x1023, OsCommand)
     """OS command (1023h).
 
     Carries TMCL commands while TMCL direct communication is switched on. Seven bytes need a segmented transfer.
@@ -1018,7 +1019,7 @@ class DeviceObjects(_Names):
     nor the layout of the seven bytes, CiA 301 and TMCL give them.
     """
 
-    error_behaviour: _Group[ErrorBehaviour] = _Group(0x1029, ErrorBehaviour)
+    error_behaviour: _Group[ErrorBehaviour[_H]] = _Group(0x1029, ErrorBehaviour)
     """Error behaviour (1029h).
 
     What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation enabled to
@@ -1060,7 +1061,7 @@ class DeviceObjects(_Names):
     Source: manual, section 4.2.53, tables 162, 163, 164.
     """
 
-    device_digital_outputs: _Group[DeviceDigitalOutputs] = _Group(0x2703, DeviceDigitalOutputs)
+    device_digital_outputs: _Group[DeviceDigitalOutputs[_H]] = _Group(0x2703, DeviceDigitalOutputs)
     """Device digital outputs (2703h).
 
     The general purpose outputs of the module. Write the mask first: after power-on no output can be switched. An output
@@ -1090,7 +1091,7 @@ class DeviceObjects(_Names):
     Source: manual, section 4.2.56, tables 170, 171.
     """
 
-    store: _Group[Store] = _Group(0x2706, Store)
+    store: _Group[Store[_H]] = _Group(0x2706, Store)
     """Store (2706h).
 
     Does the same as 1010h:02.
@@ -1118,7 +1119,7 @@ class DeviceObjects(_Names):
     Source: manual, section 4.2.59, tables 176, 177.
     """
 
-    device_analog_inputs: _Group[DeviceAnalogInputs] = _Group(0x270E, DeviceAnalogInputs)
+    device_analog_inputs: _Group[DeviceAnalogInputs[_H]] = _Group(0x270E, DeviceAnalogInputs)
     """Device analog inputs (270Eh).
 
     Readings of the analog inputs, not scaled to a voltage.
@@ -1127,10 +1128,10 @@ class DeviceObjects(_Names):
     """
 
 
-class AxisObjects(_Names):
+class AxisObjects(_Names[_H]):
     """Objects of one axis: `DICTIONARY.axes[0]`. Axes count from 0, but from 1 in the names of the EDS."""
 
-    rpdo_communication: _Family[RpdoCommunication] = _Family(0x1400, 4, RpdoCommunication)
+    rpdo_communication: _Family[RpdoCommunication[_H]] = _Family(0x1400, 4, RpdoCommunication)
     """RPDO n communication parameter (1400h + axis * 40h).
 
     Where a received PDO comes from and when its content is applied. One for each PDO: by its number from 1 to 4.
@@ -1138,7 +1139,7 @@ class AxisObjects(_Names):
     Source: manual, section 3.1.18, tables 46, 47; CiA 301, 7.5.2.35.
     """
 
-    rpdo_mapping: _Family[RpdoMapping] = _Family(0x1600, 4, RpdoMapping)
+    rpdo_mapping: _Family[RpdoMapping[_H]] = _Family(0x1600, 4, RpdoMapping)
     """RPDO n mapping parameter (1600h + axis * 40h).
 
     Which objects a received PDO writes, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to
@@ -1147,7 +1148,7 @@ class AxisObjects(_Names):
     Source: manual, section 3.1.19, tables 48, 49; CiA 301, 7.5.2.36.
     """
 
-    tpdo_communication: _Family[TpdoCommunication] = _Family(0x1800, 4, TpdoCommunication)
+    tpdo_communication: _Family[TpdoCommunication[_H]] = _Family(0x1800, 4, TpdoCommunication)
     """TPDO n communication parameter (1800h + axis * 40h).
 
     How a PDO is sent, and when. One for each PDO: by its number from 1 to 4.
@@ -1155,7 +1156,7 @@ class AxisObjects(_Names):
     Source: manual, section 3.1.20, tables 50, 51; CiA 301, 7.5.2.37.
     """
 
-    tpdo_mapping: _Family[TpdoMapping] = _Family(0x1A00, 4, TpdoMapping)
+    tpdo_mapping: _Family[TpdoMapping[_H]] = _Family(0x1A00, 4, TpdoMapping)
     """TPDO n mapping parameter (1A00h + axis * 40h).
 
     Which objects a sent PDO carries, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to 0,
@@ -1184,7 +1185,7 @@ class AxisObjects(_Names):
     Source: manual, section 4.2.2, tables 58, 59.
     """
 
-    brake_delay_times: _Group[BrakeDelayTimes] = _Group(0x2002, BrakeDelayTimes)
+    brake_delay_times: _Group[BrakeDelayTimes[_H]] = _Group(0x2002, BrakeDelayTimes)
     """Brake delay times (2002h + axis * 200h).
 
     Times that let motor and brake hand the load over to each other. They count only while the automatic brake control
@@ -1237,7 +1238,7 @@ class AxisObjects(_Names):
     and a motor needs its current without a brake too.
     """
 
-    brake_current_feed: _Group[BrakeCurrentFeed] = _Group(0x200C, BrakeCurrentFeed)
+    brake_current_feed: _Group[BrakeCurrentFeed[_H]] = _Group(0x200C, BrakeCurrentFeed)
     """Brake current feed (200Ch + axis * 200h).
 
     Current that the brake output feeds in either state. Both 0 switch the automatic brake control off and leave the
@@ -1646,7 +1647,7 @@ class AxisObjects(_Names):
     Source: manual, section 4.2.47, tables 150, 151.
     """
 
-    step_counter: _Group[StepCounter] = _Group(0x210B, StepCounter)
+    step_counter: _Group[StepCounter[_H]] = _Group(0x210B, StepCounter)
     """Step counter (210Bh + axis * 200h).
 
     How many microsteps the motor has made so far, in either direction, as one number or in two halves.
@@ -1868,7 +1869,7 @@ class AxisObjects(_Names):
     Source: manual, section 8.2.4, tables 291, 292, figure 15.
     """
 
-    software_position_limit: _Group[SoftwarePositionLimit] = _Group(0x607D, SoftwarePositionLimit)
+    software_position_limit: _Group[SoftwarePositionLimit[_H]] = _Group(0x607D, SoftwarePositionLimit)
     """Software position limit (607Dh + axis * 800h).
 
     Range of positions that the axis may take. Both limits are counted from the home position and are compared after the
@@ -1943,7 +1944,7 @@ class AxisObjects(_Names):
     Source: manual, section 8.1, 8.2.5, tables 277, 293, 294.
     """
 
-    homing_speeds: _Group[HomingSpeeds] = _Group(0x6099, HomingSpeeds)
+    homing_speeds: _Group[HomingSpeeds[_H]] = _Group(0x6099, HomingSpeeds)
     """Homing speeds (6099h + axis * 800h).
 
     Speeds of a homing. The switch is found fast; then the axis slows down and passes the edge slowly, which makes the
@@ -1982,7 +1983,7 @@ class AxisObjects(_Names):
     Source: manual, section 10.1.6, tables 341, 342.
     """
 
-    interpolation_time_period: _Group[InterpolationTimePeriod] = _Group(0x60C2, InterpolationTimePeriod)
+    interpolation_time_period: _Group[InterpolationTimePeriod[_H]] = _Group(0x60C2, InterpolationTimePeriod)
     """Interpolation time period (60C2h + axis * 800h).
 
     Time in which a cyclic mode moves from one set-point to the next: value times ten to the power of index, in seconds.

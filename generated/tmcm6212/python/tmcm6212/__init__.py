@@ -16,6 +16,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .abort_codes import ABORT_CODES as ABORT_CODES
     from .abort_codes import find_abort_code as find_abort_code
+    from .client import TMCM6212 as TMCM6212
+    from .client import AsyncTMCM6212 as AsyncTMCM6212
+    from .client import AsyncTMCM6212Axis as AsyncTMCM6212Axis
+    from .client import TMCM6212Axis as TMCM6212Axis
     from .dictionary import DICTIONARY as DICTIONARY
     from .dictionary import Dictionary as Dictionary
     from .emergencies import CONDITIONS as CONDITIONS
@@ -111,6 +115,7 @@ else:
         __name__,
         {
             "abort_codes": ("ABORT_CODES", "find_abort_code"),
+            "client": ("AsyncTMCM6212", "AsyncTMCM6212Axis", "TMCM6212", "TMCM6212Axis"),
             "dictionary": ("DICTIONARY", "Dictionary"),
             "emergencies": ("CONDITIONS", "EMERGENCIES", "REACTIONS", "find_emergency"),
             "enums": (

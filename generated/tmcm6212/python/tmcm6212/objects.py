@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from odsmith_runtime.names import Family as _Family
 from odsmith_runtime.names import Group as _Group
+from odsmith_runtime.names import H as _H
 from odsmith_runtime.names import Names as _Names
 from odsmith_runtime.names import Sub as _Sub
 from odsmith_runtime.names import Variable as _Variable
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from . import flags as _flags
 
 
-class StoreParameters(_Names):
+class StoreParameters(_Names[_H]):
     """Store parameters.
 
     Writing the signature `save` (65766173h) stores the present values so that they outlive power-off. Reading tells
@@ -133,7 +134,7 @@ class StoreParameters(_Names):
     """
 
 
-class RestoreParameters(_Names):
+class RestoreParameters(_Names[_H]):
     """Restore parameters.
 
     Writing the signature `load` (64616F6Ch) makes the defaults valid again; they come into force at the next reset.
@@ -259,7 +260,7 @@ class RestoreParameters(_Names):
     """
 
 
-class ConsumerHeartbeatTime(_Names):
+class ConsumerHeartbeatTime(_Names[_H]):
     """Consumer heartbeat time.
 
     Watches another node, usually the master. Watching begins with the first heartbeat heard, and begins anew after a
@@ -287,7 +288,7 @@ class ConsumerHeartbeatTime(_Names):
     """
 
 
-class Identity(_Names):
+class Identity(_Names[_H]):
     """Identity object.
 
     What a master compares to make sure that the right module is connected.
@@ -344,7 +345,7 @@ class Identity(_Names):
     """
 
 
-class OsCommand(_Names):
+class OsCommand(_Names[_H]):
     """OS command.
 
     Carries TMCL commands while TMCL direct communication is switched on. Seven bytes need a segmented transfer.
@@ -394,7 +395,7 @@ class OsCommand(_Names):
     """
 
 
-class ErrorBehaviour(_Names):
+class ErrorBehaviour(_Names[_H]):
     """Error behaviour.
 
     What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation enabled to
@@ -434,7 +435,7 @@ class ErrorBehaviour(_Names):
     """
 
 
-class RpdoCommunication(_Names):
+class RpdoCommunication(_Names[_H]):
     """RPDO n communication parameter.
 
     Where a received PDO comes from and when its content is applied.
@@ -471,7 +472,7 @@ class RpdoCommunication(_Names):
     """
 
 
-class RpdoMapping(_Names):
+class RpdoMapping(_Names[_H]):
     """RPDO n mapping parameter.
 
     Which objects a received PDO writes, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to
@@ -519,7 +520,7 @@ class RpdoMapping(_Names):
     """
 
 
-class TpdoCommunication(_Names):
+class TpdoCommunication(_Names[_H]):
     """TPDO n communication parameter.
 
     How a PDO is sent, and when.
@@ -586,7 +587,7 @@ class TpdoCommunication(_Names):
     """
 
 
-class TpdoMapping(_Names):
+class TpdoMapping(_Names[_H]):
     """TPDO n mapping parameter.
 
     Which objects a sent PDO carries, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to 0,
@@ -634,7 +635,7 @@ class TpdoMapping(_Names):
     """
 
 
-class BrakeDelayTimes(_Names):
+class BrakeDelayTimes(_Names[_H]):
     """Brake delay times.
 
     Times that let motor and brake hand the load over to each other. They count only while the automatic brake control
@@ -672,7 +673,7 @@ class BrakeDelayTimes(_Names):
     """
 
 
-class EncoderParameters(_Names):
+class EncoderParameters(_Names[_H]):
     """Encoder parameters.
 
     How the signals of the encoder are read. Other bits than bit 0 are kept without a meaning.
@@ -723,7 +724,7 @@ class EncoderParameters(_Names):
     """
 
 
-class BrakeCurrentFeed(_Names):
+class BrakeCurrentFeed(_Names[_H]):
     """Brake current feed.
 
     Current that the brake output feeds in either state. Both 0 switch the automatic brake control off and leave the
@@ -761,7 +762,7 @@ class BrakeCurrentFeed(_Names):
     """
 
 
-class EncoderNChannelLatch(_Names):
+class EncoderNChannelLatch(_Names[_H]):
     """Encoder N channel latch.
 
     Takes the positions of ramp generator and encoder at an index pulse, that is in the tick in which the N channel
@@ -812,7 +813,7 @@ class EncoderNChannelLatch(_Names):
     """
 
 
-class StepCounter(_Names):
+class StepCounter(_Names[_H]):
     """Step counter.
 
     How many microsteps the motor has made so far, in either direction, as one number or in two halves.
@@ -859,7 +860,7 @@ class StepCounter(_Names):
     """
 
 
-class DeviceDigitalOutputs(_Names):
+class DeviceDigitalOutputs(_Names[_H]):
     """Device digital outputs.
 
     The general purpose outputs of the module. Write the mask first: after power-on no output can be switched. An output
@@ -899,7 +900,7 @@ class DeviceDigitalOutputs(_Names):
     """
 
 
-class Store(_Names):
+class Store(_Names[_H]):
     """Store.
 
     Does the same as 1010h:02.
@@ -926,7 +927,7 @@ class Store(_Names):
     """
 
 
-class ClInformation(_Names):
+class ClInformation(_Names[_H]):
     """CL information.
 
     Six numbers whose meaning is not known.
@@ -1003,7 +1004,7 @@ class ClInformation(_Names):
     """
 
 
-class DeviceAnalogInputs(_Names):
+class DeviceAnalogInputs(_Names[_H]):
     """Device analog inputs.
 
     Readings of the analog channels, not scaled to a voltage. The first four are the inputs of the module; what the
@@ -1093,7 +1094,7 @@ class DeviceAnalogInputs(_Names):
     """
 
 
-class SoftwarePositionLimit(_Names):
+class SoftwarePositionLimit(_Names[_H]):
     """Software position limit.
 
     Range of positions that the axis may take. Both limits are counted from the home position and are compared after the
@@ -1134,7 +1135,7 @@ class SoftwarePositionLimit(_Names):
     """
 
 
-class PositionEncoderResolution(_Names):
+class PositionEncoderResolution(_Names[_H]):
     """Position encoder resolution.
 
     Resolution of the encoder: increments per revolution of the motor. With the resolution of the motor (2001h, 2000h)
@@ -1175,7 +1176,7 @@ class PositionEncoderResolution(_Names):
     """
 
 
-class HomingSpeeds(_Names):
+class HomingSpeeds(_Names[_H]):
     """Homing speeds.
 
     Speeds of a homing. The switch is found fast; then the axis slows down and passes the edge slowly, which makes the
@@ -1213,7 +1214,7 @@ class HomingSpeeds(_Names):
     """
 
 
-class InterpolationTimePeriod(_Names):
+class InterpolationTimePeriod(_Names[_H]):
     """Interpolation time period.
 
     Time in which a cyclic mode moves from one set-point to the next: value times ten to the power of index, in seconds.
@@ -1253,7 +1254,7 @@ class InterpolationTimePeriod(_Names):
     """
 
 
-class DeviceObjects(_Names):
+class DeviceObjects(_Names[_H]):
     """Objects of the whole device: `DICTIONARY.device`."""
 
     device_type: _Variable[_flags.DeviceType] = _Variable(0x1000)
@@ -1339,7 +1340,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.8, tables 23, 24; CiA 301, 7.5.2.12.
     """
 
-    store_parameters: _Group[StoreParameters] = _Group(0x1010, StoreParameters)
+    store_parameters: _Group[StoreParameters[_H]] = _Group(0x1010, StoreParameters)
     """Store parameters (1010h).
 
     Writing the signature `save` (65766173h) stores the present values so that they outlive power-off. Reading tells
@@ -1348,7 +1349,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.9, tables 25, 26, 27; CiA 301, 7.5.2.13.
     """
 
-    restore_parameters: _Group[RestoreParameters] = _Group(0x1011, RestoreParameters)
+    restore_parameters: _Group[RestoreParameters[_H]] = _Group(0x1011, RestoreParameters)
     """Restore parameters (1011h).
 
     Writing the signature `load` (64616F6Ch) makes the defaults valid again; they come into force at the next reset.
@@ -1378,7 +1379,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.12, tables 33, 34; CiA 301, 7.5.2.18.
     """
 
-    consumer_heartbeat_time: _Group[ConsumerHeartbeatTime] = _Group(0x1016, ConsumerHeartbeatTime)
+    consumer_heartbeat_time: _Group[ConsumerHeartbeatTime[_H]] = _Group(0x1016, ConsumerHeartbeatTime)
     """Consumer heartbeat time (1016h).
 
     Watches another node, usually the master. Watching begins with the first heartbeat heard, and begins anew after a
@@ -1397,7 +1398,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.14, tables 38, 39; CiA 301, 7.5.2.20.
     """
 
-    identity: _Group[Identity] = _Group(0x1018, Identity)
+    identity: _Group[Identity[_H]] = _Group(0x1018, Identity)
     """Identity object (1018h).
 
     What a master compares to make sure that the right module is connected.
@@ -1405,7 +1406,7 @@ class DeviceObjects(_Names):
     Source: manual, section 3.1.15, tables 40, 41; CiA 301, 7.5.2.21.
     """
 
-    os_command: _Group[OsCommand] = _Group(0x1023, OsCommand)
+    os_command: _Group[OsCommand[_H]] = _Group(0x1023, OsCommand)
     """OS command (1023h).
 
     Carries TMCL commands while TMCL direct communication is switched on. Seven bytes need a segmented transfer.
@@ -1414,7 +1415,7 @@ class DeviceObjects(_Names):
     nor the layout of the seven bytes, CiA 301 and TMCL give them.
     """
 
-    error_behaviour: _Group[ErrorBehaviour] = _Group(0x1029, ErrorBehaviour)
+    error_behaviour: _Group[ErrorBehaviour[_H]] = _Group(0x1029, ErrorBehaviour)
     """Error behaviour (1029h).
 
     What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation enabled to
@@ -1456,7 +1457,7 @@ class DeviceObjects(_Names):
     Source: manual, section 4.2.53, tables 162, 163, 164.
     """
 
-    device_digital_outputs: _Group[DeviceDigitalOutputs] = _Group(0x3003, DeviceDigitalOutputs)
+    device_digital_outputs: _Group[DeviceDigitalOutputs[_H]] = _Group(0x3003, DeviceDigitalOutputs)
     """Device digital outputs (3003h).
 
     The general purpose outputs of the module. Write the mask first: after power-on no output can be switched. An output
@@ -1486,7 +1487,7 @@ class DeviceObjects(_Names):
     Source: manual, section 4.2.56, tables 170, 171.
     """
 
-    store: _Group[Store] = _Group(0x3006, Store)
+    store: _Group[Store[_H]] = _Group(0x3006, Store)
     """Store (3006h).
 
     Does the same as 1010h:02.
@@ -1534,7 +1535,7 @@ class DeviceObjects(_Names):
     Source: the vendor's EDS, 300Bh; inferred: the meaning follows from the name.
     """
 
-    cl_information: _Group[ClInformation] = _Group(0x300C, ClInformation)
+    cl_information: _Group[ClInformation[_H]] = _Group(0x300C, ClInformation)
     """CL information (300Ch).
 
     Six numbers whose meaning is not known.
@@ -1542,7 +1543,7 @@ class DeviceObjects(_Names):
     Source: the vendor's EDS, 300Ch; inferred: nothing is known but that it can be read.
     """
 
-    device_analog_inputs: _Group[DeviceAnalogInputs] = _Group(0x300E, DeviceAnalogInputs)
+    device_analog_inputs: _Group[DeviceAnalogInputs[_H]] = _Group(0x300E, DeviceAnalogInputs)
     """Device analog inputs (300Eh).
 
     Readings of the analog channels, not scaled to a voltage. The first four are the inputs of the module; what the
@@ -1562,10 +1563,10 @@ class DeviceObjects(_Names):
     """
 
 
-class AxisObjects(_Names):
+class AxisObjects(_Names[_H]):
     """Objects of one axis: `DICTIONARY.axes[0]`. Axes count from 0, but from 1 in the names of the EDS."""
 
-    rpdo_communication: _Family[RpdoCommunication] = _Family(0x1400, 4, RpdoCommunication)
+    rpdo_communication: _Family[RpdoCommunication[_H]] = _Family(0x1400, 4, RpdoCommunication)
     """RPDO n communication parameter (1400h + axis * 40h).
 
     Where a received PDO comes from and when its content is applied. One for each PDO: by its number from 1 to 4.
@@ -1573,7 +1574,7 @@ class AxisObjects(_Names):
     Source: manual, section 3.1.18, tables 46, 47; CiA 301, 7.5.2.35.
     """
 
-    rpdo_mapping: _Family[RpdoMapping] = _Family(0x1600, 4, RpdoMapping)
+    rpdo_mapping: _Family[RpdoMapping[_H]] = _Family(0x1600, 4, RpdoMapping)
     """RPDO n mapping parameter (1600h + axis * 40h).
 
     Which objects a received PDO writes, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to
@@ -1582,7 +1583,7 @@ class AxisObjects(_Names):
     Source: manual, section 3.1.19, tables 48, 49; CiA 301, 7.5.2.36.
     """
 
-    tpdo_communication: _Family[TpdoCommunication] = _Family(0x1800, 4, TpdoCommunication)
+    tpdo_communication: _Family[TpdoCommunication[_H]] = _Family(0x1800, 4, TpdoCommunication)
     """TPDO n communication parameter (1800h + axis * 40h).
 
     How a PDO is sent, and when. One for each PDO: by its number from 1 to 4.
@@ -1590,7 +1591,7 @@ class AxisObjects(_Names):
     Source: manual, section 3.1.20, tables 50, 51; CiA 301, 7.5.2.37.
     """
 
-    tpdo_mapping: _Family[TpdoMapping] = _Family(0x1A00, 4, TpdoMapping)
+    tpdo_mapping: _Family[TpdoMapping[_H]] = _Family(0x1A00, 4, TpdoMapping)
     """TPDO n mapping parameter (1A00h + axis * 40h).
 
     Which objects a sent PDO carries, in order. To change it: stop the PDO (bit 31 of its COB-ID), set sub-index 0 to 0,
@@ -1619,7 +1620,7 @@ class AxisObjects(_Names):
     Source: manual, section 4.2.2, tables 58, 59.
     """
 
-    brake_delay_times: _Group[BrakeDelayTimes] = _Group(0x2002, BrakeDelayTimes)
+    brake_delay_times: _Group[BrakeDelayTimes[_H]] = _Group(0x2002, BrakeDelayTimes)
     """Brake delay times (2002h + axis * 200h).
 
     Times that let motor and brake hand the load over to each other. They count only while the automatic brake control
@@ -1672,7 +1673,7 @@ class AxisObjects(_Names):
     and a motor needs its current without a brake too.
     """
 
-    encoder_parameters: _Group[EncoderParameters] = _Group(0x200B, EncoderParameters)
+    encoder_parameters: _Group[EncoderParameters[_H]] = _Group(0x200B, EncoderParameters)
     """Encoder parameters (200Bh + axis * 200h).
 
     How the signals of the encoder are read. Other bits than bit 0 are kept without a meaning.
@@ -1681,7 +1682,7 @@ class AxisObjects(_Names):
     sub-indices.
     """
 
-    brake_current_feed: _Group[BrakeCurrentFeed] = _Group(0x200C, BrakeCurrentFeed)
+    brake_current_feed: _Group[BrakeCurrentFeed[_H]] = _Group(0x200C, BrakeCurrentFeed)
     """Brake current feed (200Ch + axis * 200h).
 
     Current that the brake output feeds in either state. Both 0 switch the automatic brake control off and leave the
@@ -1690,7 +1691,7 @@ class AxisObjects(_Names):
     Source: manual, section 4.2.8, 4.2.54, tables 71, 72.
     """
 
-    encoder_n_channel_latch: _Group[EncoderNChannelLatch] = _Group(0x200F, EncoderNChannelLatch)
+    encoder_n_channel_latch: _Group[EncoderNChannelLatch[_H]] = _Group(0x200F, EncoderNChannelLatch)
     """Encoder N channel latch (200Fh + axis * 200h).
 
     Takes the positions of ramp generator and encoder at an index pulse, that is in the tick in which the N channel
@@ -2110,7 +2111,7 @@ class AxisObjects(_Names):
     Source: manual, section 4.2.47, tables 150, 151.
     """
 
-    step_counter: _Group[StepCounter] = _Group(0x210B, StepCounter)
+    step_counter: _Group[StepCounter[_H]] = _Group(0x210B, StepCounter)
     """Step counter (210Bh + axis * 200h).
 
     How many microsteps the motor has made so far, in either direction, as one number or in two halves.
@@ -2344,7 +2345,7 @@ class AxisObjects(_Names):
     Source: manual, section 8.2.4, tables 291, 292, figure 15.
     """
 
-    software_position_limit: _Group[SoftwarePositionLimit] = _Group(0x607D, SoftwarePositionLimit)
+    software_position_limit: _Group[SoftwarePositionLimit[_H]] = _Group(0x607D, SoftwarePositionLimit)
     """Software position limit (607Dh + axis * 800h).
 
     Range of positions that the axis may take. Both limits are counted from the home position and are compared after the
@@ -2409,7 +2410,7 @@ class AxisObjects(_Names):
     deceleration.
     """
 
-    position_encoder_resolution: _Group[PositionEncoderResolution] = _Group(0x608F, PositionEncoderResolution)
+    position_encoder_resolution: _Group[PositionEncoderResolution[_H]] = _Group(0x608F, PositionEncoderResolution)
     """Position encoder resolution (608Fh + axis * 800h).
 
     Resolution of the encoder: increments per revolution of the motor. With the resolution of the motor (2001h, 2000h)
@@ -2430,7 +2431,7 @@ class AxisObjects(_Names):
     Source: manual, section 8.1, 8.2.5, tables 277, 293, 294.
     """
 
-    homing_speeds: _Group[HomingSpeeds] = _Group(0x6099, HomingSpeeds)
+    homing_speeds: _Group[HomingSpeeds[_H]] = _Group(0x6099, HomingSpeeds)
     """Homing speeds (6099h + axis * 800h).
 
     Speeds of a homing. The switch is found fast; then the axis slows down and passes the edge slowly, which makes the
@@ -2469,7 +2470,7 @@ class AxisObjects(_Names):
     Source: manual, section 10.1.6, tables 341, 342.
     """
 
-    interpolation_time_period: _Group[InterpolationTimePeriod] = _Group(0x60C2, InterpolationTimePeriod)
+    interpolation_time_period: _Group[InterpolationTimePeriod[_H]] = _Group(0x60C2, InterpolationTimePeriod)
     """Interpolation time period (60C2h + axis * 800h).
 
     Time in which a cyclic mode moves from one set-point to the next: value times ten to the power of index, in seconds.

@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from odsmith import escape
+from odsmith.backends.python import client as python_client
 from odsmith.backends.python import enums as python_enums
 from odsmith.backends.python import objects as python_objects
 from odsmith.backends.python import tables as tables
@@ -24,6 +25,7 @@ from odsmith.vocabulary import Vocabulary
 
 DEVICE_MODULES: Mapping[str, tuple[str, ...]] = {
     "abort_codes": ("ABORT_CODES", "find_abort_code"),
+    "client": (),
     "dictionary": ("DICTIONARY", "Dictionary"),
     "emergencies": ("CONDITIONS", "EMERGENCIES", "REACTIONS", "find_emergency"),
     "enums": (),
@@ -76,8 +78,16 @@ class PythonBackend(Backend):
         reactions = sorted({row.reaction for row in device.emergencies})
         return {
             **_common(device, device.identity.identifier),
-            **_modules({**DEVICE_MODULES, "enums": _names(enums), "flags": _names(flags)}),
+            **_modules(
+                {
+                    **DEVICE_MODULES,
+                    "client": python_client.public_names(device),
+                    "enums": _names(enums),
+                    "flags": _names(flags),
+                }
+            ),
             "device": device,
+            "client": python_client.client_classes(device),
             "identity": device.identity,
             "name_plate": tables.identity(device),
             "example": _example(device),
@@ -154,4 +164,5 @@ def _example(device: Device) -> Mapping[str, object]:
     obj, entry = find_role(device, "controlword") or (device.objects[0], device.objects[0].entries[0])
     holder = "axes[0]" if obj.per_axis else "device"
     sub = f".{entry.name}" if entry.name != obj.name else ""
-    return {"path": f"{holder}.{obj.name}{sub}", "index": f"0x{obj.index:04X}"}
+    path = f"{holder}.{obj.name}{sub}"
+    return {"path": path, "on_drive": path.removeprefix("device."), "index": f"0x{obj.index:04X}"}

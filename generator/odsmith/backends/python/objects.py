@@ -44,7 +44,7 @@ def names_module(device: Device) -> NamesModule:
     source = " ".join(attribute.declaration for item in classes for attribute in item.attributes)
     kinds = (kind for kind in ("Family", "Group", "Sub", "Variable") if f" _{kind}(" in source)
     value_modules = (module for module in ("enums", "flags") if f"_{module}." in source)
-    return NamesModule(classes, tuple(sorted([*kinds, "Names"])), tuple(value_modules))
+    return NamesModule(classes, tuple(sorted(["H", *kinds, "Names"])), tuple(value_modules))
 
 
 def names_classes(device: Device) -> Iterator[NamesClass]:
@@ -74,10 +74,10 @@ def _object_attribute(obj: Object) -> Attribute:
         line = declaration(obj.name, ("_Variable", python_type(obj, entry)), ("_Variable", index), 4)
         return Attribute(line, docstring([summary, *_entry_doc(obj, entry)], 4))
     if obj.count > 1 or obj.pdo:
-        line = declaration(obj.name, ("_Family", name), ("_Family", f"{index}, {obj.count}, {name}"), 4)
+        line = declaration(obj.name, ("_Family", f"{name}[_H]"), ("_Family", f"{index}, {obj.count}, {name}"), 4)
         text = f"{obj.text} One for each PDO: by its number from 1 to {obj.count}."
     else:
-        line = declaration(obj.name, ("_Group", name), ("_Group", f"{index}, {name}"), 4)
+        line = declaration(obj.name, ("_Group", f"{name}[_H]"), ("_Group", f"{index}, {name}"), 4)
         text = obj.text
     return Attribute(line, docstring([summary, text, f"Source: {source_text(obj.source)}."], 4))
 

@@ -13,6 +13,10 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from .abort_codes import ABORT_CODES as ABORT_CODES
     from .abort_codes import find_abort_code as find_abort_code
+    from .client import TOY2 as TOY2
+    from .client import AsyncTOY2 as AsyncTOY2
+    from .client import AsyncTOY2Axis as AsyncTOY2Axis
+    from .client import TOY2Axis as TOY2Axis
     from .dictionary import DICTIONARY as DICTIONARY
     from .dictionary import Dictionary as Dictionary
     from .emergencies import CONDITIONS as CONDITIONS
@@ -42,6 +46,7 @@ else:
         __name__,
         {
             "abort_codes": ("ABORT_CODES", "find_abort_code"),
+            "client": ("AsyncTOY2", "AsyncTOY2Axis", "TOY2", "TOY2Axis"),
             "dictionary": ("DICTIONARY", "Dictionary"),
             "emergencies": ("CONDITIONS", "EMERGENCIES", "REACTIONS", "find_emergency"),
             "enums": ("ModesOfOperation",),

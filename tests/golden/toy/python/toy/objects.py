@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from odsmith_runtime.names import Family as _Family
 from odsmith_runtime.names import Group as _Group
+from odsmith_runtime.names import H as _H
 from odsmith_runtime.names import Names as _Names
 from odsmith_runtime.names import Sub as _Sub
 from odsmith_runtime.names import Variable as _Variable
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from . import flags as _flags
 
 
-class IdentityObject(_Names):
+class IdentityObject(_Names[_H]):
     """Identity object.
 
     What the device is.
@@ -42,7 +43,7 @@ class IdentityObject(_Names):
     """
 
 
-class RpdoCommunication(_Names):
+class RpdoCommunication(_Names[_H]):
     """RPDO n communication parameter.
 
     How the PDO is received.
@@ -79,7 +80,7 @@ class RpdoCommunication(_Names):
     """
 
 
-class RpdoMapping(_Names):
+class RpdoMapping(_Names[_H]):
     """RPDO n mapping parameter.
 
     What the PDO carries.
@@ -136,7 +137,7 @@ class RpdoMapping(_Names):
     """
 
 
-class DeviceObjects(_Names):
+class DeviceObjects(_Names[_H]):
     """Objects of the whole device: `DICTIONARY.device`."""
 
     device_type: _Variable[int] = _Variable(0x1000)
@@ -159,7 +160,7 @@ class DeviceObjects(_Names):
     Source: CiA 301, 7.5.2.2.
     """
 
-    identity_object: _Group[IdentityObject] = _Group(0x1018, IdentityObject)
+    identity_object: _Group[IdentityObject[_H]] = _Group(0x1018, IdentityObject)
     """Identity object (1018h).
 
     What the device is.
@@ -168,10 +169,10 @@ class DeviceObjects(_Names):
     """
 
 
-class AxisObjects(_Names):
+class AxisObjects(_Names[_H]):
     """Objects of one axis: `DICTIONARY.axes[0]`. Axes count from 0, but from 1 in the names of the EDS."""
 
-    rpdo_communication: _Family[RpdoCommunication] = _Family(0x1400, 1, RpdoCommunication)
+    rpdo_communication: _Family[RpdoCommunication[_H]] = _Family(0x1400, 1, RpdoCommunication)
     """RPDO n communication parameter (1400h + axis * 40h).
 
     How the PDO is received. One for each PDO: by its number from 1 to 1.
@@ -179,7 +180,7 @@ class AxisObjects(_Names):
     Source: CiA 301, 7.5.2.35.
     """
 
-    rpdo_mapping: _Family[RpdoMapping] = _Family(0x1600, 1, RpdoMapping)
+    rpdo_mapping: _Family[RpdoMapping[_H]] = _Family(0x1600, 1, RpdoMapping)
     """RPDO n mapping parameter (1600h + axis * 40h).
 
     What the PDO carries. One for each PDO: by its number from 1 to 1.

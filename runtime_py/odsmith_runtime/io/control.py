@@ -1,0 +1,155 @@
+"""What a hand does to a virtual device, as words: `axis0 overtemperature on`, `axis2 left 1`, `lose 3`.
+
+axisN CONDITION on|off        a fault of the hardware, by its name in the model
+axisN INPUT VALUE             the simulated motor: left, right, home, blocked, load, temperature, left_at, shaft ...
+axisN stall on|off            the shaft is held
+supply MILLIVOLTS             of all motors
+enable on|off                 the enable input of the module
+inN on|off, analogN VALUE     its digital and analog inputs
+address VALUE                 its switches, read at power-on and reset
+can STATE                     the CAN controller: ok, warning, passive, busoff, error, overrun, rxfull, txfull
+lose COUNT                    so many of the next frames to or from the device are lost
+delay MILLISECONDS            its frames are so late
+power on|off|cycle
+"""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, TypeVar
+
+from ..device.port import Can, Input
+from ..device.simulation import INPUTS, SUPPLY
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from .device import VirtualDevice
+
+CAN_WORDS = {
+    "ok": Can.OK,
+    "warning": Can.WARNING,
+    "passive": Can.PASSIVE,
+    "busoff": Can.BUS_OFF,
+    "error": Can.ERROR,
+    "overrun": Can.OVERRUN,
+    "rxfull": Can.RX_FULL,
+    "txfull": Can.TX_FULL,
+}
+
+T = TypeVar("T")
+
+_SWITCHED = {"on": 1, "off": 0}
+_LONGEST_DELAY_MS = 60_000
+
+
+class CommandError(ValueError):
+    """A command is not understood, or not possible; the message says what would be."""
+
+
+def obey(device: VirtualDevice, words: Sequence[str]) -> None:
+    """Carry out a command. Raises CommandError."""
+    if not words:
+        raise CommandError("nothing to do: name an axis or a line of the device")
+    name, *rest = words
+    if axis := re.fullmatch(r"axis(\d{1,3})", name):
+        _of_axis(device, int(axis[1]), rest)
+    else:
+        _of_device(device, name, rest)
+
+
+def _of_axis(device: VirtualDevice, axis: int, words: Sequence[str]) -> None:
+    if axis >= device.axis_count:
+        raise CommandError(f"there is no axis {axis}, axes are 0 to {device.axis_count - 1}")
+    name, value = _pair(words, "the name of a fault or of an input, then its value")
+    if name == "stall":
+        name = "blocked"
+    if name in device.conditions and name != "stall":
+        device.fault(axis, name, bool(_switched(value)))
+        return
+    if name not in INPUTS or name == SUPPLY:
+        known = sorted({*device.conditions, *INPUTS} - {SUPPLY})
+        raise CommandError(f"there is no `{name}` of an axis, but {', '.join(known)}")
+    try:
+        device.set_hardware(axis, name, _number(value))
+    except ValueError as error:
+        raise CommandError(str(error)) from None
+
+
+def _of_device(device: VirtualDevice, name: str, words: Sequence[str]) -> None:
+    numbered = re.fullmatch(r"(in|analog)(\d{1,2})", name)
+    value = words[0] if len(words) == 1 else ""
+    if not value:
+        raise CommandError(f"`{name}` wants one value")
+    if name == SUPPLY:
+        limits = INPUTS[SUPPLY]
+        for axis in range(device.axis_count):
+            device.set_hardware(axis, SUPPLY, _within(value, limits.low, limits.high))
+    elif name == "enable":
+        device.input(Input.ENABLE, 0, _switched(value))
+    elif name == "address":
+        device.input(Input.ADDRESS, 0, _within(value, 0, 0xFF))
+    elif numbered:
+        _channel(device, numbered[1], int(numbered[2]), value)
+    elif name == "can":
+        device.report_can(_one_of(value, CAN_WORDS))
+    elif name == "lose":
+        device.lose(_within(value, 0, 1_000_000))
+    elif name == "delay":
+        device.delay(_within(value, 0, _LONGEST_DELAY_MS))
+    elif name == "power":
+        _one_of(value, {"on": 1, "off": 0, "cycle": 2})
+        if value in ("off", "cycle"):
+            device.power_off()
+        if value in ("on", "cycle"):
+            device.power_on()
+    else:
+        known = "axisN, supply, enable, inN, analogN, address, can, lose, delay, power"
+        raise CommandError(f"there is no `{name}`; known: {known}")
+
+
+def _channel(device: VirtualDevice, kind: str, channel: int, value: str) -> None:
+    identity = device.identity
+    count = identity.digital_inputs if kind == "in" else identity.analog_inputs
+    if channel >= count:
+        raise CommandError(f"there is no {kind}{channel}, the device has {count}")
+    if kind == "analog":
+        device.input(Input.ANALOG, channel, _within(value, 0, 0xFFFF))
+    else:
+        device.digital_input(channel, bool(_switched(value)))
+
+
+def _pair(words: Sequence[str], wanted: str) -> tuple[str, str]:
+    if len(words) == 1:
+        return words[0], "on"
+    if len(words) != 2:
+        raise CommandError(f"wanted: {wanted}")
+    return words[0], words[1]
+
+
+def _switched(word: str) -> int:
+    value = _number(word)
+    if value not in (0, 1):
+        raise CommandError(f"on or off, not `{word}`")
+    return value
+
+
+def _number(word: str) -> int:
+    if word in _SWITCHED:
+        return _SWITCHED[word]
+    if not re.fullmatch(r"-?\d{1,12}", word):
+        raise CommandError(f"a number, on or off, not `{word}`")
+    return int(word)
+
+
+def _within(word: str, low: int, high: int) -> int:
+    value = _number(word)
+    if not low <= value <= high:
+        raise CommandError(f"{low} to {high}, not {value}")
+    return value
+
+
+def _one_of(word: str, known: Mapping[str, T]) -> T:
+    if word not in known:
+        raise CommandError(f"{', '.join(known)}, not `{word}`")
+    return known[word]
