@@ -367,6 +367,25 @@ static void change_memory(rig_t *rig, input_t *input)
     }
 }
 
+/* Switches, load, encoder and faults of an axis. */
+static void change_hardware(rig_t *rig, uint32_t now, input_t *input)
+{
+    const uint8_t choice = take(input);
+    const uint8_t axis = (uint8_t)((choice & 7u) % rig->device->axes);
+    ods_motor_answer_t answer = rig->motors[axis];
+    answer.lines = take(input);
+    if (choice & 8u) {
+        answer.load = (uint16_t)(4u * take(input));
+    }
+    if (choice & 16u) {
+        answer.faults = take32(input) & ((1u << ODS_CONDITIONS) - 1u);
+    }
+    if (choice & 32u) { /* somebody turns the shaft */
+        answer.encoder = (int32_t)take32(input);
+    }
+    rig_motor(rig, now, axis, &answer);
+}
+
 static void happen(rig_t *rig, input_t *input, uint32_t *now, uint8_t what)
 {
     ods_frame_t frame = { 0, 0, 0, { 0 } };
@@ -422,6 +441,10 @@ static void happen(rig_t *rig, input_t *input, uint32_t *now, uint8_t what)
         break;
     case 14:
         detail = take(input);
+        if (detail & 0x20u) {
+            change_hardware(rig, *now, input);
+            break;
+        }
         condition = (ods_condition_t)(take(input) % (ODS_CONDITIONS + 1u));
         ods_node_fault(rig->node, *now, detail & 15u, condition, (detail & 16u) != 0u);
         break;

@@ -138,6 +138,22 @@ static void check_error_register(const rig_t *rig)
     PROMISE(node->common->error_register == expected);
 }
 
+/* The statusword shows the state and, in bit 14, whether the axis moves; without power it does not. */
+static void check_axis(const rig_t *rig, uint8_t number)
+{
+    const ods_axis_t *const axis = &rig->node->axes[number];
+    uint32_t shown = 0;
+    for (uint32_t n = 0; n < rig->device->pds_state_count; n++) {
+        const ods_pds_state_row_t *const row = &rig->device->pds_states[n];
+        shown += ((row->state == axis->state) && ((axis->values->statusword & row->mask) == row->value)) ? 1u : 0u;
+    }
+    PROMISE(shown == 1u);
+    PROMISE((axis->velocity == 0) || rig_has_power(rig, number));
+    PROMISE(((axis->values->statusword >> 14) & 1u) == ((axis->velocity != 0) ? 1u : 0u));
+    PROMISE(axis->values->position_demand_value == axis->demand);
+    PROMISE(axis->position / 1000000 == axis->demand);
+}
+
 static void check_sdo(const ods_node_t *node, const ods_od_t *od)
 {
     if (node->sdo.phase != 0u) {
@@ -163,8 +179,8 @@ void invariants_check(const rig_t *rig, uint32_t now)
     for (uint32_t n = 0; n < ODS_LEDS; n++) {
         PROMISE((node->leds[n].row == ODS_NONE) || (node->leds[n].row < rig->device->led_count));
     }
-    for (uint32_t n = 0; n < rig->device->axes; n++) {
-        PROMISE(node->axes[n].state < ODS_PDS_STATES);
+    for (uint8_t n = 0; n < rig->device->axes; n++) {
+        check_axis(rig, n);
     }
     check_sdo(node, rig->device->od);
     check_error_register(rig);

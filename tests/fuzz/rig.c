@@ -65,17 +65,57 @@ static void on_send(void *context, const ods_frame_t *frame)
     }
 }
 
+/* How many channels an output has. */
+static uint32_t channels_of(const rig_t *rig, ods_output_t output)
+{
+    if (output == ODS_OUTPUT_ANALOG) {
+        return RIG_CHANNELS;
+    }
+    return (output >= ODS_OUTPUT_POWER) ? rig->device->axes : 1u;
+}
+
 static void on_output(void *context, ods_output_t output, uint8_t channel, uint32_t value)
 {
+    static const uint32_t highest[ODS_OUTPUTS] = {
+        [ODS_OUTPUT_RUN_LED] = 1,
+        [ODS_OUTPUT_ERROR_LED] = 1,
+        [ODS_OUTPUT_DIGITAL] = UINT32_MAX,
+        [ODS_OUTPUT_ANALOG] = UINT16_MAX,
+        [ODS_OUTPUT_POWER] = 1,
+        [ODS_OUTPUT_BRAKE] = UINT8_MAX,
+        [ODS_OUTPUT_CURRENT] = 32,
+        [ODS_OUTPUT_DRIVER] =
+            ODS_DRIVER_COOL_STEP | ODS_DRIVER_STEALTH_CHOP | ODS_DRIVER_DC_STEP | ODS_DRIVER_HIGH_SPEED,
+    };
     rig_t *const rig = context;
-    const uint32_t line = (uint32_t)output + channel;
     PROMISE(rig->sending);
     PROMISE((uint32_t)output < (uint32_t)ODS_OUTPUTS);
-    PROMISE(channel < ((output == ODS_OUTPUT_ANALOG) ? RIG_ANALOG_OUTPUTS : 1u));
-    PROMISE((output != ODS_OUTPUT_RUN_LED && output != ODS_OUTPUT_ERROR_LED) || (value <= 1u));
-    PROMISE(rig->waking || (value != rig->outputs[line]));
-    rig->outputs[line] = value;
+    PROMISE(channel < channels_of(rig, output));
+    PROMISE(value <= highest[output]);
+    PROMISE((rig->waking && (output < ODS_OUTPUT_POWER)) || (value != rig->outputs[output][channel]));
+    rig->outputs[output][channel] = value;
     rig->changes++;
+}
+
+static void on_motor_set(void *context, uint8_t axis, uint16_t parameter, int32_t value)
+{
+    const rig_t *const rig = context;
+    ods_od_ref_t ref;
+    (void)value;
+    PROMISE(axis < rig->device->axes);
+    PROMISE(ods_od_find(rig->device->od, parameter, 0, &ref) == 0u);
+}
+
+/* Only an axis with power makes steps. The encoder counts them. */
+static void on_motor(void *context, uint8_t axis, const ods_motor_demand_t *demand, ods_motor_answer_t *answer)
+{
+    rig_t *const rig = context;
+    PROMISE(axis < rig->device->axes);
+    PROMISE((demand->steps == 0) || rig_has_power(rig, axis));
+    PROMISE((demand->velocity == 0) || rig_has_power(rig, axis));
+    rig->motors[axis].encoder = (int32_t)((uint32_t)rig->motors[axis].encoder + (uint32_t)demand->steps);
+    rig->motors[axis].velocity = demand->velocity;
+    *answer = rig->motors[axis];
 }
 
 static void on_bus(void *context, uint16_t bit_rate, uint8_t node_id)
@@ -126,6 +166,16 @@ static ods_os_status_t on_os_command(
         reply[n] = (uint8_t)(command[n] ^ 0xFFu);
     }
     return (ods_os_status_t)(rig->os_status & 3u);
+}
+
+int rig_has_power(const rig_t *rig, uint8_t axis)
+{
+    for (uint32_t n = 0; n < rig->device->pds_state_count; n++) {
+        if (rig->device->pds_states[n].state == rig->node->axes[axis].state) {
+            return rig->device->pds_states[n].power;
+        }
+    }
+    return 0;
 }
 
 /* ---- the bench --------------------------------------------------------------------------------------------------- */
@@ -183,6 +233,9 @@ void rig_renew(rig_t *rig, uint8_t lacks)
     rig->port.nvm_read = (lacks & 4u) ? NULL : on_nvm_read;
     rig->port.nvm_write = (lacks & 8u) ? NULL : on_nvm_write;
     rig->port.os_command = (lacks & 16u) ? NULL : on_os_command;
+    rig->port.motor_set = (lacks & 32u) ? NULL : on_motor_set;
+    rig->port.motor = (lacks & 64u) ? NULL : on_motor;
+    memset(rig->motors, 0, sizeof rig->motors);
     memset(rig->nvm, 0xFF, rig->nvm_size);
     rig->nvm_fails = 0;
     rig->writes_left = RIG_NO_CUT;
@@ -206,6 +259,7 @@ void rig_power_on(rig_t *rig, uint32_t now, uint8_t address)
     memset(rig->memory.tpdos, GARBAGE, tpdos * sizeof(ods_tpdo_t));
     memset(rig->memory.mapped, GARBAGE, (rpdos + tpdos) * od->max_mapped * sizeof(ods_pdo_ref_t));
     memset(rig->memory.buffer, GARBAGE, od->buffer_size);
+    memset(rig->outputs, 0, sizeof rig->outputs);
     rig->dead = 0;
     rig->writes_left = RIG_NO_CUT;
 
@@ -215,8 +269,17 @@ void rig_power_on(rig_t *rig, uint32_t now, uint8_t address)
     if (address != 0u) {
         ods_node_input(rig->node, now, ODS_INPUT_ADDRESS, 0, address);
     }
+    for (uint8_t axis = 0; axis < device->axes; axis++) {
+        ods_node_motor(rig->node, now, axis, &rig->motors[axis]);
+    }
     ods_node_power_on(rig->node, now);
     rig->waking = 0;
+}
+
+void rig_motor(rig_t *rig, uint32_t now, uint8_t axis, const ods_motor_answer_t *answer)
+{
+    rig->motors[axis] = *answer;
+    ods_node_motor(rig->node, now, axis, answer);
 }
 
 void rig_turn(rig_t *rig)

@@ -16,7 +16,7 @@ typedef struct {
     ods_od_ref_t ref;
 } rig_entry_t;
 
-#define RIG_ANALOG_OUTPUTS 8u
+#define RIG_CHANNELS 8u /* of an output: analog ones, axes */
 
 typedef struct {
     const ods_device_t *device;
@@ -41,7 +41,8 @@ typedef struct {
     uint32_t answers; /* of the SDO server in this turn */
     uint32_t changes; /* outputs told in this turn */
     ods_frame_t answer; /* the last one */
-    uint32_t outputs[ODS_OUTPUTS + RIG_ANALOG_OUTPUTS]; /* as told last */
+    uint32_t outputs[ODS_OUTPUTS][RIG_CHANNELS]; /* as told last */
+    ods_motor_answer_t motors[RIG_CHANNELS]; /* what the hardware of each axis has to say */
 } rig_t;
 
 #define RIG_NO_CUT 0xFFFFFFFFu
@@ -59,6 +60,12 @@ void rig_renew(rig_t *rig, uint8_t lacks);
 
 /* Power comes back: nothing but the non-volatile memory has kept its content. */
 void rig_power_on(rig_t *rig, uint32_t now, uint8_t address);
+
+/* Whether the state in which an axis is has power. */
+int rig_has_power(const rig_t *rig, uint8_t axis);
+
+/* The hardware of an axis has something new to say. */
+void rig_motor(rig_t *rig, uint32_t now, uint8_t axis, const ods_motor_answer_t *answer);
 
 /* A turn begins: nothing was sent yet. */
 void rig_turn(rig_t *rig);

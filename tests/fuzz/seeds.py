@@ -1,6 +1,7 @@
 """Dialogues for the fuzzer to begin with, written in the language of `fuzz_node.c`.
 
-They lead it to where chance comes late: a mapping changed by its procedure, a stored set that survives a loss of power.
+They lead it to where chance comes late: a mapping changed by its procedure, a stored set that survives a loss of power,
+an axis that moves.
 `seeds.py FOLDER` writes them.
 """
 
@@ -13,6 +14,7 @@ from pathlib import Path
 # What happens, in the low bits of the first octet of an event.
 SDO, NMT, SYNC, ERROR_CONTROL, FRAME, TIME, CAN, FAULT, OTHER = 0, 5, 7, 8, 9, 10, 13, 14, 15
 ANY_SDO = 6
+HARDWARE = 0x20
 POWER_ON = 0x10
 
 BEGIN = {0: bytes([4, 0, 0]), 1: bytes([8, 0, 0])}
@@ -54,6 +56,21 @@ class Dialogue:
 
     def frame(self, can_id: int, data: bytes) -> Dialogue:
         return self.event(FRAME, len(data), *can_id.to_bytes(2, "little"), *data)
+
+    def words(self, *controlwords: int) -> Dialogue:
+        for word in controlwords:
+            self.write(0x6040, 0, word, 2)
+        return self
+
+    def enable(self, mode: int) -> Dialogue:
+        """Axis 0, in a mode of operation, with a steep ramp and a fast one."""
+        for index in (0x6083, 0x6084, 0x6085, 0x609A):
+            self.write(index, 0, 10_000_000, 4)
+        return self.write(0x6081, 0, 51_200, 4).write(0x6060, 0, mode, 1).milliseconds(1).words(6, 7, 15)
+
+    def lines(self, levels: int) -> Dialogue:
+        """The switches of axis 0."""
+        return self.event(FAULT, HARDWARE, 0, levels)
 
     def milliseconds(self, count: int) -> Dialogue:
         """At most 63."""
@@ -117,6 +134,46 @@ def dialogues(node: int) -> dict[str, Dialogue]:
         .event(ERROR_CONTROL, 0x80)
         .event(ERROR_CONTROL, 0x80)
         .milliseconds(40),
+        "position": Dialogue(node)
+        .enable(1)
+        .write(0x607A, 0, 1000, 4)
+        .words(0x1F)
+        .milliseconds(10)
+        .lines(2)
+        .milliseconds(10)
+        .lines(0)
+        .milliseconds(63)
+        .words(0x5F, 7)
+        .milliseconds(63),
+        "velocity": Dialogue(node)
+        .enable(3)
+        .write(0x60FF, 0, 51_200, 4)
+        .milliseconds(20)
+        .words(0x10F)
+        .milliseconds(20)
+        .words(0x0F, 0x02)
+        .milliseconds(63),
+        "homing": Dialogue(node)
+        .write(0x6098, 0, 17, 1)
+        .write(0x6099, 1, 51_200, 4)
+        .write(0x6099, 2, 10_000, 4)
+        .enable(6)
+        .words(0x1F)
+        .milliseconds(20)
+        .lines(1)
+        .milliseconds(20)
+        .lines(0)
+        .milliseconds(5),
+        "cyclic": Dialogue(node)
+        .nmt(1)
+        .enable(8)
+        .write(0x607A, 0, 100, 4)
+        .milliseconds(5)
+        .write(0x6060, 0, 9, 1)
+        .write(0x60FF, 0, 1000, 4)
+        .milliseconds(5)
+        .nmt(2)
+        .milliseconds(63),
         "errors": Dialogue(node)
         .nmt(1)
         .event(FAULT, 0x11, 8)
