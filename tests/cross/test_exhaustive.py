@@ -298,8 +298,8 @@ def transfers(dialogue: Dialogue) -> None:
     dialogue.dump()
 
 
-QUICK = (every_value, tmcl_mode)
-SLOW = (every_state, faults, every_length, every_mapping, every_pdo, storage, transfers)
+QUICK = (tmcl_mode,)
+SLOW = (every_value, every_state, faults, every_length, every_mapping, every_pdo, storage, transfers)
 SUBJECTS = (*QUICK, *SLOW)
 
 

@@ -75,7 +75,10 @@ def broken(_: int) -> str:
 
 
 @pytest.mark.parametrize("check", [killed, endless, broken])
-def test_a_mutant_that_ends_its_process_or_never_answers_is_caught(check: Check) -> None:
+def test_a_mutant_that_ends_its_process_or_never_answers_is_caught(
+    check: Check, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tests.mutants.hunt.LEAST_PATIENCE", 0.1)
     hunted = group(1, check)
     assert [verdict.how for _, verdict in hunt(1, hunted, hunted.mutants)] == ["crash"]
 

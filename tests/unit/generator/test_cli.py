@@ -157,6 +157,7 @@ def test_build_anyones_file_anywhere(tmp_path: Path, root: Path, monkeypatch: py
     assert sorted(contents(tmp_path)) == ["deep/build/toy/eds/TOY-2.eds", "my_drive.yaml"]
 
 
+@pytest.mark.slow
 def test_the_same_bytes_from_any_folder(
     project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, run: Run
 ) -> None:
@@ -344,6 +345,7 @@ def test_explain_looks_into_every_device(project: Path, run: Run, root: Path) ->
 # ---- terminals, pipes and what is not installed ---------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_terminal_gets_more_than_a_pipe(project: Path) -> None:
     master, slave = pty.openpty()
     environment = {**os.environ, "TERM": "xterm-256color", "COLUMNS": "100"}
@@ -403,6 +405,7 @@ def test_nobody_reads(arguments: str, closed: str, project: Path) -> None:
     assert not process.stderr
 
 
+@pytest.mark.slow
 def test_a_terminal_that_cannot_show_everything(project: Path) -> None:
     path = project / "spec" / "toy.yaml"
     path.write_text(path.read_text().replace("Where to go.", "Where to go, in µm."), encoding="utf-8")
@@ -420,6 +423,7 @@ sys.meta_path.insert(0, Blocker())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "missing", [["yaml"], ["jinja2"], ["jsonschema_rs"], ["yaml", "jinja2", "jsonschema_rs", "rich"]]
 )
@@ -432,6 +436,7 @@ def test_the_generator_is_not_installed(missing: list[str], project: Path) -> No
     assert not (project / "generated").exists()
 
 
+@pytest.mark.slow
 def test_help_needs_no_generator(project: Path) -> None:
     code = BLOCKER.format(blocked=["yaml", "jinja2", "jsonschema_rs", "rich"])
     assert command("--help", cwd=project, code=code).returncode == 0
@@ -443,6 +448,7 @@ def test_help_needs_no_generator(project: Path) -> None:
     }
 
 
+@pytest.mark.slow
 def test_rich_is_only_for_terminals(project: Path) -> None:
     shown = command("list", cwd=project, code=BLOCKER.format(blocked=["rich"]))
     assert (shown.returncode, shown.stderr) == (0, "")

@@ -150,6 +150,7 @@ def test_an_answer_has_values_bits_modes_and_errata(drive: Device) -> None:
     assert dict(only(drive, "1400:1").tables[0][1])["Default"] == "1073742336 (40000200h) + node-ID"
 
 
+@pytest.mark.slow
 def test_no_answer_loses_a_table_in_json(tmcm3230: Device) -> None:
     """Tables are keyed by their titles there, so titles differ."""
     for item in tmcm3230.expanded:
@@ -231,6 +232,7 @@ def test_no_term_is_too_strange(drive: Device, term: str) -> None:
         assert answer.rows
 
 
+@pytest.mark.slow
 def test_every_name_that_is_suggested_leads_somewhere(tmcm3230: Device, drive: Device) -> None:
     for device in (tmcm3230, drive):
         for name in known_names(device):

@@ -647,6 +647,7 @@ def test_the_digest_does_not_know_how_the_spec_is_formatted(
     assert compile_file(copies / "drive.yaml").digest == drive.digest
 
 
+@pytest.mark.slow
 def test_every_fact_counts_in_the_digest(drive: Device, root: Path) -> None:
     """Change one value of each kind in the two files: each change is refused, or gives a digest of its own."""
     spec = merge(load(root / "tests" / "unit" / "generator" / "drive.yaml", [data_folder("spec")]))

@@ -22,19 +22,18 @@ NODE_ID = 5
 
 PDO_KINDS: tuple[PdoKind, ...] = ("rpdo", "tpdo")
 
+pytestmark = pytest.mark.slow
+
 DEVICES = ("tmcm3230", "tmcm6212", "io_module", "toy")
+
+SANITIZERS = ("-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 
 BUILDS = [
     pytest.param("cc", (), id="cc"),
-    pytest.param("gcc", ("-m32",), id="gcc-m32", marks=pytest.mark.slow),
-    pytest.param("clang", ("-m64",), id="clang-m64", marks=pytest.mark.slow),
-    pytest.param("gcc", ("-fsanitize=address,undefined", "-fno-sanitize-recover=all"), id="gcc-sanitizers"),
-    pytest.param(
-        "clang",
-        ("-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
-        id="clang-sanitizers",
-        marks=pytest.mark.slow,
-    ),
+    pytest.param("gcc", ("-m32",), id="gcc-m32"),
+    pytest.param("clang", ("-m64",), id="clang-m64"),
+    pytest.param("gcc", SANITIZERS, id="gcc-sanitizers"),
+    pytest.param("clang", SANITIZERS, id="clang-sanitizers"),
 ]
 
 

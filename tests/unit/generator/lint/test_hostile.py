@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-import time
 from collections.abc import Callable
 from types import FrameType
 
@@ -56,12 +55,14 @@ def test_any_bytes(data: bytes) -> None:
     checked(data)
 
 
+@pytest.mark.slow
 @given(st.lists(line, max_size=40), st.sampled_from(["\n", "\r\n", "\r"]))
 @settings(max_examples=300)
 def test_any_arrangement_of_words(lines: list[str], end: str) -> None:
     checked(end.join(lines).encode("utf-8", "surrogatepass"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [
@@ -82,12 +83,12 @@ def test_any_arrangement_of_words(lines: list[str], end: str) -> None:
     ],
     ids=lambda text: text[:24].strip()[:20],
 )
-def test_long_texts_take_no_long_time(text: str) -> None:
-    start = time.perf_counter()
+def test_long_texts(text: str) -> None:
+    """Work that grew with the square of the text would take hours here."""
     checked(text.encode())
-    assert time.perf_counter() - start < 20
 
 
+@pytest.mark.slow
 def test_the_work_grows_with_the_file() -> None:
     """Counted in calls of functions, which do not depend on the machine."""
 

@@ -356,6 +356,7 @@ def similar(found: tuple[Diagnostic, ...], finding: Diagnostic) -> int:
     return sum(item.rule == finding.rule and item.message == finding.message for item in found)
 
 
+@pytest.mark.slow
 def test_most_fixes_are_mechanical(good: str) -> None:
     mended = [seed for seed in SEEDS if any(finding.fix for finding in findings(*spoilt(good, seed)))]
     assert len(mended) > len(SEEDS) / 3

@@ -150,6 +150,7 @@ indices = st.integers(0x1000, 0xFFFF)
 highest_subs = st.integers(0, 15)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.dictionaries(indices, highest_subs, min_size=1, max_size=40), st.data())
 def test_any_dictionary_without_axes(io_module: Device, objects: dict[int, int], data: st.DataObject) -> None:

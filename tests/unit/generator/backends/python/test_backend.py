@@ -296,6 +296,7 @@ def check_bits(bits: tuple[Bit, ...], flags: Any) -> None:
     assert actual == expected
 
 
+@pytest.mark.slow
 def test_exactly_these_addresses_are_there(package: Package) -> None:
     expected = {(item.index, entry.entry.sub) for item in package.model.expanded for entry in item.entries}
     dictionary = package.dictionary
@@ -782,6 +783,7 @@ print("enum" in sys.modules, "tmcm3230.flags" in sys.modules)
     assert enumerations == "True False"
 
 
+@pytest.mark.slow
 def test_the_import_works_twenty_times_less_than_reading_the_eds(
     packages: dict[str, Package], tmcm3230: Device, root: Path, tmp_path: Path
 ) -> None:
