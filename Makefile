@@ -3,7 +3,8 @@
 # make fast   the quick tests only
 # make lint   style and types
 # make engine                the C engine of virtual devices, compiled into the cache
-# make pictures            what the axes do, recorded and drawn anew
+# make pictures            what the axes do, recorded and drawn anew; the example's needs matplotlib
+# make api-docs             pages of the Python API, in build/api
 # make bench  figures of speed and memory, beside the peers'
 # make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
 # make coverage            lines of the C runtime that the tests execute
@@ -21,7 +22,7 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint engine bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long \
+.PHONY: all test fast lint engine api-docs bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long \
     fuzz fuzz-short pictures clean
 
 all: $(SET_UP)
@@ -93,6 +94,10 @@ engine: $(SET_UP)
 
 pictures: $(SET_UP)
 	$(BIN)/python docs/motion/draw.py
+	$(BIN)/pytest -q tests/unit/test_examples.py -k picture --accept
+
+api-docs: $(SET_UP)
+	$(BIN)/python -W error docs/api.py build/api
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -3,6 +3,7 @@
 Round trips: reading and writing objects by SDO on the same bus. Three buses: function calls with a server that always
 says the same (what a client costs), function calls with a device (what a test costs), and python-can's virtual
 interface with a server in another thread (what a thread costs). Start: from a new process to the first value read.
+Memory: that of a process that only knows the device, beside one that loads the EDS. `make bench` has the time.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import statistics
+import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -69,6 +71,34 @@ def bench_trips(title: str, make: Callable[[], Any], trips: int, runs: int) -> N
     print(f"  {title:<44} {mine:9.0f} /s   python-canopen {other:9.0f} /s   x {ratio:.2f}")
 
 
+PATH = f"import sys; sys.path[:0] = {FOLDERS!r}; "
+IMPORTS = {
+    "Python alone": PATH,
+    "import of TMCM6212": PATH + "from tmcm6212 import TMCM6212",
+    "import of the dictionary": PATH + "from tmcm6212 import DICTIONARY",
+    "... and every entry of it made": PATH
+    + "from tmcm6212 import DICTIONARY\nfor key in DICTIONARY: len(DICTIONARY[key])",
+    "import of canopen": PATH + "import canopen",
+    "canopen.import_od of the EDS": PATH + f"import canopen; canopen.import_od({str(EDS)!r})",
+}
+"""What a process knows of the device, or of nothing; nobody talks to a bus."""
+
+
+PEAK = "\nprint(open('/proc/self/status').read().partition('VmHWM:')[2].split()[0])"
+"""Peak memory in KiB as the process itself sees it; what its parent is told begins with the parent's own."""
+
+
+def bench_memory() -> None:
+    found = {
+        name: int(subprocess.run([sys.executable, "-c", script + PEAK], capture_output=True, check=True).stdout) / 1024
+        for name, script in IMPORTS.items()
+    }
+    base = list(found.values())[-1]
+    print("\nPeak memory of a process")
+    for name, mebibytes in found.items():
+        print(f"  {name:<42} {mebibytes:6.1f} MiB   x {mebibytes / base:.3f}")
+
+
 START = """
 import sys
 sys.path[:0] = {folders!r}
@@ -94,6 +124,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, default=9)
     parser.add_argument("--trips", type=int, default=500)
     options = parser.parse_args()
+    bench_memory()
     bench_start(options.runs)  # first, while this process is small: a child starts with the memory of its parent
     from client_buses import Echo, Threads
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from hashlib import sha256
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,6 +45,11 @@ def record(drive: TMCM6212) -> list[Sample]:
     return samples
 
 
+def fingerprint(samples: Sequence[Sample]) -> str:
+    """The same for the same samples; a picture carries it, so that one can tell what it shows."""
+    return sha256(repr([tuple(sample) for sample in samples]).encode()).hexdigest()
+
+
 def draw(samples: Sequence[Sample], path: Path) -> None:
     """Position and velocity over time, as a PNG."""
     from matplotlib.figure import Figure
@@ -55,7 +61,7 @@ def draw(samples: Sequence[Sample], path: Path) -> None:
     velocity.plot([sample.time for sample in samples], [sample.velocity for sample in samples])
     velocity.set_ylabel("velocity in pps")
     velocity.set_xlabel("time in s")
-    figure.savefig(path)
+    figure.savefig(path, metadata={"Comment": fingerprint(samples)})
 
 
 def main(drive: TMCM6212, path: Path = Path("move.png")) -> None:

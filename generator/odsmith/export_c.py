@@ -17,7 +17,7 @@ import hashlib
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.metadata import distribution
+from importlib.metadata import distributions
 from importlib.resources.abc import Traversable
 from pathlib import Path, PurePosixPath
 
@@ -94,8 +94,12 @@ def _renamed(file: Traversable, identifier: str) -> bytes:
 
 
 def _licence() -> bytes:
-    """The licence as the installed distribution has it; an editable installation has it too."""
-    text = distribution("odsmith").read_text("licenses/LICENSE")
+    """The licence as the installed distribution has it; an editable installation has it too.
+
+    The first distribution of this name need not be that one: a build leaves an egg-info in the checkout, without it.
+    """
+    texts = (found.read_text("licenses/LICENSE") for found in distributions(name="odsmith"))
+    text = next(filter(None, texts), None)
     if text is None:
         raise UsageError("the licence is missing from the installed odsmith", "install it again")
     return text.encode()

@@ -76,13 +76,14 @@ else:
 
 def load_on_use(
     package: str, homes: "Mapping[str, tuple[str, ...]]"
-) -> "tuple[Callable[[str], object], Callable[[], list[str]]]":
-    """`__getattr__` and `__dir__` of a package that loads its modules on first use (PEP 562).
+) -> "tuple[Callable[[str], object], Callable[[], list[str]], list[str]]":
+    """`__getattr__`, `__dir__` and `__all__` of a package that loads its modules on first use (PEP 562).
 
     `homes` lists the public names of each module. Asking the package for one of them, or for a module itself, imports
     that module; from then on the name is an ordinary attribute. Unknown names raise AttributeError.
     """
     module = sys.modules[package]
+    public = [name for names in homes.values() for name in names]
 
     def get(name: str) -> object:
         for home, names in homes.items():
@@ -95,13 +96,13 @@ def load_on_use(
         raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name, obj=module)
 
     def names() -> list[str]:
-        return sorted({*vars(module), *homes, *(name for names in homes.values() for name in names)})
+        return sorted({*vars(module), *homes, *public})
 
-    return get, names
+    return get, names, public
 
 
 if not TYPE_CHECKING:  # hidden from type checkers, who would take any name for granted
-    __getattr__, __dir__ = load_on_use(
+    __getattr__, __dir__, __all__ = load_on_use(
         __name__,
         {
             "abort_codes": ("AbortCodeInfo",),

@@ -46,6 +46,7 @@ class Bits(IntFlag):
 
     @property
     def supported(self) -> bool:
+        """False for a bit that the standard defines and the device ignores."""
         own: bool = self.__dict__.get("_supported", True)
         return own
 

@@ -123,6 +123,7 @@ class ObjectDictionary:
         return (self[index] for index in self._indices)
 
     def items(self) -> "Iterator[tuple[int, Object]]":
+        """Every object with its index."""
         return ((index, self[index]) for index in self._indices)
 
     def __repr__(self) -> str:

@@ -155,6 +155,8 @@ def test_the_wheel_has_no_file_too_many(wheel: Path) -> None:
     assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".egg-info", ".keep"))]
     for needed in (
         "odsmith/py.typed",
+        "odsmith_cia/py.typed",
+        "odsmith_runtime/py.typed",
         "odsmith/runtime_c/README.md",
         "odsmith/runtime_c/include/ods/node.h",
         "odsmith/spec/schema.json",
@@ -180,3 +182,21 @@ def test_a_device_package_is_a_distribution_of_its_own(root: Path, wheel: Path, 
     program = "import tmcm3230; print(tmcm3230.__spec_version__, tmcm3230.DICTIONARY['Controlword 2'].index)"
     version = package.name.split("-")[1]
     assert _run(python, "-c", program, cwd=tmp_path).stdout == f"{version} {0x6840}\n"
+
+    typed = tmp_path / "typed.py"  # without py.typed, both would be unknown to type checkers
+    typed.write_text(
+        "from typing import assert_type\n"
+        "from odsmith_runtime.client import Value\n"
+        "from tmcm3230 import TMCM3230\n"
+        "def program(drive: TMCM3230) -> None:\n"
+        "    assert_type(drive.axes[0].homing_speeds.fast, Value[int])\n"
+    )
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file", "", "--cache-dir", str(tmp_path / "cache")]
+    checked = subprocess.run(
+        [*command, "--python-executable", str(python), str(typed)],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert checked.returncode == 0, checked.stdout + checked.stderr

@@ -114,6 +114,16 @@ def test_plot(drive: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert (tmp_path / "move.png").exists() is (importlib.util.find_spec("matplotlib") is not None)
 
 
+def test_the_picture_shows_this_move(drive: Any, root: Path, accept: bool) -> None:
+    """The picture of the page was drawn from the very samples that the example records now."""
+    plot = example("plot")
+    samples = plot.record(drive)
+    picture = root / "examples" / "move.png"
+    if accept:
+        plot.draw(samples, picture)
+    assert b"tEXtComment\0" + plot.fingerprint(samples).encode() in picture.read_bytes(), "make pictures"
+
+
 def test_the_command_line(network: VirtualNetwork, monkeypatch: pytest.MonkeyPatch) -> None:
     arguments = example("connection").arguments
     monkeypatch.setattr(sys, "argv", ["x"])

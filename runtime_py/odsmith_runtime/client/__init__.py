@@ -14,22 +14,47 @@ coroutines (`async_drive`, `async_axis`, ...); the blocking face runs them by a 
 
 from __future__ import annotations
 
-from .async_axis import AsyncAxis as AsyncAxis
-from .async_drive import AsyncDrive as AsyncDrive
-from .async_values import AsyncValue as AsyncValue
-from .axis import Axis as Axis
-from .drive import Drive as Drive
-from .errors import ClientError as ClientError
-from .errors import EmergencyError as EmergencyError
-from .errors import MissingPackageError as MissingPackageError
-from .errors import MotionError as MotionError
-from .errors import MotionTimeoutError as MotionTimeoutError
-from .errors import NoAnswerError as NoAnswerError
-from .errors import PlanError as PlanError
-from .errors import SdoAborted as SdoAborted
-from .errors import StateError as StateError
-from .pdo_plan import BusLoad as BusLoad
-from .pdo_plan import Rpdo as Rpdo
-from .pdo_plan import Tpdo as Tpdo
-from .scale import Scale as Scale
-from .values import Value as Value
+from .async_axis import AsyncAxis
+from .async_drive import AsyncDrive
+from .async_values import AsyncValue
+from .axis import Axis
+from .diagnosis import Seen
+from .drive import Drive
+from .errors import (
+    ClientError,
+    EmergencyError,
+    MissingPackageError,
+    MotionError,
+    MotionTimeoutError,
+    NoAnswerError,
+    PlanError,
+    SdoAborted,
+    StateError,
+)
+from .pdo_plan import BusLoad, Rpdo, Tpdo
+from .scale import Scale
+from .values import BitView, Value
+
+__all__ = [
+    "AsyncAxis",
+    "AsyncDrive",
+    "AsyncValue",
+    "Axis",
+    "BitView",
+    "BusLoad",
+    "ClientError",
+    "Drive",
+    "EmergencyError",
+    "MissingPackageError",
+    "MotionError",
+    "MotionTimeoutError",
+    "NoAnswerError",
+    "PlanError",
+    "Rpdo",
+    "Scale",
+    "SdoAborted",
+    "Seen",
+    "StateError",
+    "Tpdo",
+    "Value",
+]

@@ -1,7 +1,4 @@
-"""An axis of a drive, for asyncio; its blocking twin in `axis` has the same methods.
-
-Positions are in microsteps and velocities in pps unless a unit is named. Every wait has a time-out, in seconds.
-"""
+"""An axis of a drive, for asyncio; its blocking twin in `axis` has the same methods."""
 
 from __future__ import annotations
 
@@ -29,6 +26,8 @@ MOTION_TIMEOUT = 60.0
 
 class AsyncAxis(AsyncStates):
     """One axis. Its objects are attributes: `await axis.profile_velocity.write(51_200)`.
+
+    Positions are in microsteps and velocities in pps unless a unit is named; every wait has a time-out, in seconds.
 
     Methods raise StateError where the state forbids them or is not reached, MotionError (or EmergencyError, with cause
     and remedy) where a movement ends otherwise than it should, MotionTimeoutError where it takes too long; and whatever

@@ -43,8 +43,8 @@ class AsyncDrive(Names[AsyncLive]):
 
     Made on a `canopen.Network`, or by `connect` on a bus of its own. Leaving its context, or `close`, ends the
     connection and leaves the motors as they are. `answer_timeout` is the longest time in seconds that an answer by SDO
-    may take. Methods raise what access raises: SdoAborted, NoAnswerError,
-    RefusedError; and what they name.
+    may take; all times are in seconds. Methods raise what access raises (SdoAborted, NoAnswerError, RefusedError),
+    and what they name.
     """
 
     _package: ClassVar[str]
@@ -70,7 +70,10 @@ class AsyncDrive(Names[AsyncLive]):
 
     @classmethod
     def connect(cls, *, node_id: int = 1, answer_timeout: float = ANSWER_TIMEOUT, **bus: Any) -> Self:
-        """A drive on a bus of its own, which python-can opens: `interface`, `channel`, `bitrate` and so on."""
+        """A drive on a bus of its own, which python-can opens: `interface`, `channel`, `bitrate` (bit/s) and so on.
+
+        Raises MissingPackageError without python-canopen, and what python-can raises for a bus that it cannot open.
+        """
         drive = cls(open_network(**bus), node_id, answer_timeout=answer_timeout)
         drive._bus = bus
         return drive
@@ -104,6 +107,7 @@ class AsyncDrive(Names[AsyncLive]):
 
     @property
     def network(self) -> canopen.Network:
+        """The network of python-canopen that the node is on."""
         return self._core.link.network
 
     @property

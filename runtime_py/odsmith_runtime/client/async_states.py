@@ -32,7 +32,10 @@ STATE_TIMEOUT = 5.0
 
 
 class AsyncStates(Names[AsyncLive]):
-    """What an axis can do without moving. Its objects are attributes: `await axis.profile_velocity.write(51_200)`."""
+    """What an axis can do without moving. Its objects are attributes: `await axis.profile_velocity.write(51_200)`.
+
+    Time-outs are in seconds. Methods raise StateError where a state is not reached, and whatever access raises.
+    """
 
     def __init__(self, core: Core, axis: int) -> None:
         super().__init__(core.facts.dictionary, axis, behind=core.value)

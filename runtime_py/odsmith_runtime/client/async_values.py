@@ -48,6 +48,7 @@ class AsyncValue(Generic[V]):
 
     @property
     def raw(self) -> Coroutine[Any, Any, V]:
+        """The value as the bus has it; a coroutine, to be awaited."""
         return self.read()
 
     # ---- in its base unit --------------------------------------------------------------------------------------------
@@ -65,6 +66,7 @@ class AsyncValue(Generic[V]):
 
     @property
     def phys(self) -> Coroutine[Any, Any, Fraction]:
+        """The value in its base unit, exactly; a coroutine, to be awaited."""
         return self.read_phys()
 
     # ---- in words ----------------------------------------------------------------------------------------------------
@@ -84,6 +86,7 @@ class AsyncValue(Generic[V]):
 
     @property
     def desc(self) -> Coroutine[Any, Any, str]:
+        """The value in words; a coroutine, to be awaited."""
         return self.read_desc()
 
     # ---- bit by bit --------------------------------------------------------------------------------------------------

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 class Axis(Names[Live]):
     """One axis. Its objects are attributes, `axis.profile_velocity.raw = 51_200`; its methods are those of `AsyncAxis`,
-    which block until they are done.
+    which block until they are done: in microsteps, pps and seconds, and with the same errors.
     """
 
     def __init__(self, twin: AsyncAxis, behind: Callable[[Entry[Any]], Value[Any]]) -> None:

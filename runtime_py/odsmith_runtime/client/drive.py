@@ -28,7 +28,8 @@ class Drive(Names[Live]):
 
     Made on a `canopen.Network`, or by `connect` on a bus of its own. Leaving its context, or `close`, ends the
     connection and leaves the motors as they are. `answer_timeout` is the longest time in seconds that an answer by SDO
-    may take. Its methods are those of `AsyncDrive`; they block until all is done.
+    may take; all times are in seconds. Its methods are those of `AsyncDrive`, with the same errors; they block until
+    all is done.
     """
 
     _twin_class: ClassVar[type[AsyncDrive]]
@@ -56,7 +57,10 @@ class Drive(Names[Live]):
 
     @classmethod
     def connect(cls, *, node_id: int = 1, answer_timeout: float = ANSWER_TIMEOUT, **bus: Any) -> Self:
-        """A drive on a bus of its own, which python-can opens: `interface`, `channel`, `bitrate` and so on."""
+        """A drive on a bus of its own, which python-can opens: `interface`, `channel`, `bitrate` (bit/s) and so on.
+
+        Raises MissingPackageError without python-canopen, and what python-can raises for a bus that it cannot open.
+        """
         drive = cls(open_network(**bus), node_id, answer_timeout=answer_timeout)
         drive._twin._bus = bus
         return drive
@@ -82,6 +86,7 @@ class Drive(Names[Live]):
 
     @property
     def network(self) -> canopen.Network:
+        """The network of python-canopen that the node is on."""
         return self._twin.network
 
     @property

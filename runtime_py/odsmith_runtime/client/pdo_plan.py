@@ -69,6 +69,7 @@ class Mapped:
 
     @property
     def bits(self) -> int:
+        """Length of what it maps, in bits."""
         return sum(entry.bit_length for entry in self.entries)
 
 
@@ -191,6 +192,7 @@ class BusLoad:
 
     @property
     def ratio(self) -> float:
+        """The share of time that the bus is busy: 1.0 is all of it."""
         return sum(frame_bits(load.octets) * load.rate for load in self.loads if load.rate) / self.bit_rate
 
     def __str__(self) -> str:

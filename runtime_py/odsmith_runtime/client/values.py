@@ -71,21 +71,27 @@ class Value(Generic[V]):
         return BitView(self._value)
 
     def read_phys(self) -> Fraction:
+        """The value in its base unit, exactly: `phys`."""
         return self.phys
 
     def write_phys(self, amount: Number) -> None:
+        """Write the value that comes nearest to an amount of its base unit: `phys`."""
         self.phys = amount
 
     def read_desc(self) -> str:
+        """The value in words: `desc`."""
         return self.desc
 
     def write_desc(self, name: str) -> None:
+        """Write the value that has this name: `desc`. Raises ValueError for a name that there is not."""
         self.desc = name
 
     def read_bits(self, field: Field) -> int:
+        """The number in a bit field: `bits[field]`."""
         return self.bits[field]
 
     def write_bits(self, field: Field, number: int) -> None:
+        """Read the value, write it with another number in a bit field. Raises ValueError where it does not fit."""
         self.bits[field] = number
 
 

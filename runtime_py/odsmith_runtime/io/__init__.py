@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .state_file import StateError as StateError
     from .wire import Wire as Wire
 else:
-    __getattr__, __dir__ = load_on_use(
+    __getattr__, __dir__, __all__ = load_on_use(
         __name__,
         {
             "control": ("CommandError",),

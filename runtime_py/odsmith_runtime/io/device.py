@@ -146,6 +146,7 @@ class VirtualDevice:
     # ---- time --------------------------------------------------------------------------------------------------------
 
     def start(self) -> VirtualDevice:
+        """Start its simulator, and with it the thread that keeps the time; gives the device itself."""
         self.simulator.start()
         return self
 
@@ -175,6 +176,7 @@ class VirtualDevice:
     # ---- what hands do to it -----------------------------------------------------------------------------------------
 
     def power_on(self) -> None:
+        """Switch it on, if it is off: it boots and says so on the bus."""
         if not self.engine.is_on:
             self._act(lambda: self._wire.power_on(self._station))
 

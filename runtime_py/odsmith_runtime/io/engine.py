@@ -73,10 +73,12 @@ class Engine(Protocol):
         """The NMT state as the heartbeat carries it."""
 
     @property
-    def is_on(self) -> bool: ...
+    def is_on(self) -> bool:
+        """Whether the device has power."""
 
     @property
-    def outputs(self) -> Outputs: ...
+    def outputs(self) -> Outputs:
+        """What the device shows and switches: LEDs, power stages, brakes, outputs."""
 
     @property
     def memory(self) -> bytes:
@@ -89,13 +91,17 @@ class Engine(Protocol):
     def load_memory(self, image: bytes) -> None:
         """Put an image in place, before power-on. Raises ValueError for one of another size."""
 
-    def power_on(self, now: int) -> None: ...
+    def power_on(self, now: int) -> None:
+        """Give it power, at an instant in us."""
 
-    def power_off(self) -> None: ...
+    def power_off(self) -> None:
+        """Take its power away at once; the memory stays."""
 
-    def receive(self, now: int, frame: Frame) -> None: ...
+    def receive(self, now: int, frame: Frame) -> None:
+        """Hand it a frame that came from the bus."""
 
-    def advance(self, now: int) -> None: ...
+    def advance(self, now: int) -> None:
+        """Let time pass up to an instant in us."""
 
     def next(self) -> int | None:
         """The next instant at which the device has something to do."""
@@ -107,14 +113,17 @@ class Engine(Protocol):
     def take(self) -> list[Sent]:
         """The frames that were sent since the last call, in their order."""
 
-    def input(self, now: int, input: Input, channel: int, value: int) -> None: ...
+    def input(self, now: int, input: Input, channel: int, value: int) -> None:
+        """Set an input of the device, of a channel from 0, to a value."""
 
-    def fault(self, now: int, axis: int, condition: str, holds: bool) -> None: ...
+    def fault(self, now: int, axis: int, condition: str, holds: bool) -> None:
+        """Make a condition of the vocabulary hold on an axis, or end it."""
 
     def set_hardware(self, now: int, axis: int, name: str, value: int) -> None:
         """Set an input of the simulated hardware of an axis. Raises KeyError for one that there is not, ValueError."""
 
-    def report_can(self, now: int, event: Can) -> None: ...
+    def report_can(self, now: int, event: Can) -> None:
+        """Tell it how its CAN controller is."""
 
     def shaft(self, axis: int) -> int:
         """The position of the simulated shaft, in microsteps."""

@@ -71,6 +71,7 @@ class Simulator:
                 link.start()
 
     def disconnect(self, link: Link) -> None:
+        """Take a link away from the bus and close it."""
         with self.lock:
             if link in self._links:
                 self._links.remove(link)

@@ -86,28 +86,34 @@ class Wire:
         self._deliver(frame, None)
 
     def power_on(self, station: Station) -> None:
+        """Give a device power, now."""
         station.engine.power_on(self.now)
         self._form_group()
         self._look_at(station)
 
     def power_off(self, station: Station) -> None:
+        """Take the power of a device away, at once and without a word."""
         station.engine.power_off()
         self._form_group()
         self._look_at(station)
 
     def input(self, station: Station, input: Input, channel: int, value: int) -> None:
+        """Set an input of a device, of a channel from 0, to a value."""
         station.engine.input(self.now, input, channel, value)
         self._look_at(station)
 
     def fault(self, station: Station, axis: int, condition: str, holds: bool) -> None:
+        """Make a condition hold on an axis of a device, or end it."""
         station.engine.fault(self.now, axis, condition, holds)
         self._look_at(station)
 
     def set_hardware(self, station: Station, axis: int, name: str, value: int) -> None:
+        """Set an input of the simulated hardware of an axis. Raises KeyError, ValueError."""
         station.engine.set_hardware(self.now, axis, name, value)
         self._look_at(station)
 
     def report_can(self, station: Station, event: Can) -> None:
+        """Tell a device how its CAN controller is."""
         station.engine.report_can(self.now, event)
         self._look_at(station)
 

@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 from typing import NamedTuple
 
@@ -395,3 +396,16 @@ def test_the_checkout_builds_with_cmake(root: Path, tool: Callable[[str], str], 
     shell([cmake, "-S", str(root), "-B", str(tmp_path), "-DCMAKE_C_FLAGS=-Werror"], tmp_path)
     shell([cmake, "--build", str(tmp_path)], tmp_path)
     answers(tmp_path / "tmcm6212_host", DEVICE_TYPES["tmcm6212"])
+
+
+def test_what_a_build_leaves_in_the_checkout_hides_no_licence(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`python -m odsmith.cli` in the checkout finds odsmith.egg-info before the installed distribution."""
+    left = tmp_path / "odsmith.egg-info"
+    left.mkdir()
+    (left / "PKG-INFO").write_text("Metadata-Version: 2.4\nName: odsmith\nVersion: 0\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert metadata.version("odsmith") == "0"
+    exported = {output.path: output.content for output in project(compile_spec(root / "tests" / "golden" / "toy.yaml"))}
+    assert exported["LICENSE"] == (root / "LICENSE").read_bytes()

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from .words import PdsState as PdsState
     from .words import Reaction as Reaction
 else:
-    __getattr__, __dir__ = load_on_use(
+    __getattr__, __dir__, __all__ = load_on_use(
         __name__,
         {
             "codes": ("AbortCode", "ErrorRegister", "ModeCode", "NmtCommand", "NmtState", "Signature"),

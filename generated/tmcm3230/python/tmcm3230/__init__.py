@@ -105,7 +105,7 @@ if TYPE_CHECKING:
     from .storage import STORAGE_GROUPS as STORAGE_GROUPS
     from .units import UNITS as UNITS
 else:
-    __getattr__, __dir__ = load_on_use(
+    __getattr__, __dir__, __all__ = load_on_use(
         __name__,
         {
             "abort_codes": ("ABORT_CODES", "find_abort_code"),

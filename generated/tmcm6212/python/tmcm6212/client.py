@@ -10,15 +10,15 @@ from .objects import AxisObjects, DeviceObjects
 
 
 class AsyncTMCM6212Axis(AsyncAxis, AxisObjects[AsyncLive]):
-    """An axis, for asyncio."""
+    """An axis for asyncio: its objects by name, and what `AsyncAxis` can do, in microsteps, pps and seconds."""
 
 
 class TMCM6212Axis(Axis, AxisObjects[Live]):
-    """An axis."""
+    """An axis: its objects by name, and what `Axis` can do, in microsteps, pps and seconds."""
 
 
 class AsyncTMCM6212(AsyncDrive, DeviceObjects[AsyncLive]):  # type: ignore[misc]  # methods hide store
-    """The device on a bus, for asyncio."""
+    """The device on a bus, for asyncio: its objects by name, and what `AsyncDrive` can do; times are in seconds."""
 
     _package = __package__ or ""
     _axis_class = AsyncTMCM6212Axis
@@ -27,7 +27,7 @@ class AsyncTMCM6212(AsyncDrive, DeviceObjects[AsyncLive]):  # type: ignore[misc]
 
 
 class TMCM6212(Drive, DeviceObjects[Live]):  # type: ignore[misc]  # methods hide store
-    """The device on a bus."""
+    """The device on a bus: its objects by name, and what `Drive` can do; times are in seconds."""
 
     _twin_class = AsyncTMCM6212
     _axis_class = TMCM6212Axis

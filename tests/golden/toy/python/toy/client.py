@@ -10,15 +10,15 @@ from .objects import AxisObjects, DeviceObjects
 
 
 class AsyncTOY2Axis(AsyncAxis, AxisObjects[AsyncLive]):
-    """An axis, for asyncio."""
+    """An axis for asyncio: its objects by name, and what `AsyncAxis` can do, in microsteps, pps and seconds."""
 
 
 class TOY2Axis(Axis, AxisObjects[Live]):
-    """An axis."""
+    """An axis: its objects by name, and what `Axis` can do, in microsteps, pps and seconds."""
 
 
 class AsyncTOY2(AsyncDrive, DeviceObjects[AsyncLive]):
-    """The device on a bus, for asyncio."""
+    """The device on a bus, for asyncio: its objects by name, and what `AsyncDrive` can do; times are in seconds."""
 
     _package = __package__ or ""
     _axis_class = AsyncTOY2Axis
@@ -27,7 +27,7 @@ class AsyncTOY2(AsyncDrive, DeviceObjects[AsyncLive]):
 
 
 class TOY2(Drive, DeviceObjects[Live]):
-    """The device on a bus."""
+    """The device on a bus: its objects by name, and what `Drive` can do; times are in seconds."""
 
     _twin_class = AsyncTOY2
     _axis_class = TOY2Axis
