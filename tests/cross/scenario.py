@@ -25,6 +25,8 @@ SCENARIOS = Path(__file__).parent / "scenarios"
 
 ANYTHING = "..."
 
+RESET_NODE = "RX 000 81 00"
+
 
 @dataclass(frozen=True)
 class Step:
@@ -56,6 +58,16 @@ class Scenario:
     def name(self) -> str:
         """`sdo/expedited`, wherever the file is."""
         return self.path.relative_to(SCENARIOS).with_suffix("").as_posix()
+
+    @property
+    def lines(self) -> list[str]:
+        """What is sent."""
+        return [step.line for step in self.steps]
+
+    @property
+    def interrupted(self) -> list[str]:
+        """Half of the lines, reset node, and all of them again, which no answer is expected to: what did it forget?"""
+        return [*self.lines[: len(self.lines) // 2], RESET_NODE, *self.lines]
 
 
 def all_scenarios() -> list[Scenario]:

@@ -30,6 +30,8 @@ WRAP, WRAP_IN_MOTION = 0xFFFFFF00, 0xFFFE0000
 
 KNOWN: dict[str, str] = yaml.safe_load((SCENARIOS.parent / "divergences.yaml").read_text()) or {}
 
+ENDING = ("DUMP 0000-FFFF", "NVM")
+
 StartPython = Callable[..., Bench]
 
 
@@ -55,12 +57,22 @@ def test_scenario(
 ) -> None:
     device: Device = request.getfixturevalue(scenario.device)
     options = {**scenario.options, **({"time": clock} if clock else {})}
-    lines = [*(step.line for step in scenario.steps), "DUMP 0000-FFFF", "NVM"]
+    lines = [*scenario.lines, *ENDING]
     difference = first_difference(lines, start_c(device, **options), start_python(device, **options))
     if scenario.name in KNOWN:
         assert difference, f"{scenario.name} is equal now: take it off the known differences"
     else:
         assert not difference, difference
+
+
+@pytest.mark.parametrize("scenario", all_scenarios()[::3], ids=lambda scenario: scenario.name)
+def test_a_scenario_that_a_reset_interrupts(
+    scenario: Scenario, start_c: StartC, start_python: StartPython, request: pytest.FixtureRequest
+) -> None:
+    device: Device = request.getfixturevalue(scenario.device)
+    twins = (start(device, **scenario.options) for start in (start_c, start_python))
+    difference = first_difference([*scenario.interrupted, *ENDING], *twins)
+    assert not difference, difference
 
 
 def test_no_difference_is_known() -> None:
@@ -97,7 +109,7 @@ def test_programs_are_what_runs_in_this_process(
     """Every twentieth scenario, and lines that are none; the C program is the one that sanitizers watch."""
     device: Device = request.getfixturevalue(name)
     for scenario in [scenario for scenario in all_scenarios() if scenario.device == name][::20]:
-        lines = [*ODD_LINES, *(step.line for step in scenario.steps), "DUMP 0000-FFFF", "NVM", *ODD_LINES]
+        lines = [*ODD_LINES, *scenario.lines, *ENDING, *ODD_LINES]
         for program, inside in ((c_testee, start_c), (python_testee, start_python)):
             with Testee([str(program(device))], **scenario.options) as outside:
                 expected = inside(device, **scenario.options)

@@ -15,7 +15,7 @@ from typing import Any
 from cffi import FFI  # type: ignore[import-untyped]
 from tests.cross.build import RUNTIME, SIMULATION, run
 from tests.cross.library import CBench
-from tests.mutants import c_code
+from tests.mutants import c_code, ramps
 from tests.mutants.c_tables import CTables
 from tests.mutants.mutant import Catalogue
 from tests.mutants.talks import Talk
@@ -54,6 +54,9 @@ _FFI.cdef("""
     int dump_known(const uint16_t *indices, unsigned count);
     int dump_device(void);
     int fflush(void *stream);
+    int64_t ods_ramp_slow_down(int64_t velocity, int64_t deceleration);
+    int64_t ods_ramp_turn(int64_t velocity, int64_t target, int64_t acceleration, int64_t v_start, int64_t v_stop);
+    int64_t ods_ramp_advance(const int64_t *ramp, int64_t velocity, int64_t distance, int *arrives);
 """)
 
 
@@ -94,6 +97,9 @@ class CMutants:
             self._owners |= dict.fromkeys(tables.numbers(), tables)
 
     def play(self, talk: Talk) -> list[tuple[str, ...]]:
+        if talk.device == ramps.DEVICE:
+            generator = _Ramps(next(iter(self._libraries.values())))
+            return [ramps.answer(generator, line) for line in talk.lines]
         bench = CBench(self._path(talk.device), **talk.options)
         return [tuple(bench.answer(line)) for line in talk.lines]
 
@@ -183,6 +189,24 @@ class CMutants:
 
     def _compile(self, arguments: Sequence[str]) -> None:
         run(["cc", *FLAGS, *self._includes(), *arguments], self._folder)
+
+
+class _Ramps:
+    """The ramp generator in a library."""
+
+    def __init__(self, library: Any) -> None:
+        self._library = library
+
+    def advance(self, ramp: Sequence[int], velocity: int, distance: int) -> tuple[int, bool]:
+        arrives = _FFI.new("int *")
+        speed = self._library.ods_ramp_advance(list(ramp), velocity, distance, arrives)
+        return int(speed), bool(arrives[0])
+
+    def turn(self, velocity: int, target: int, acceleration: int, v_start: int, v_stop: int) -> int:
+        return int(self._library.ods_ramp_turn(velocity, target, acceleration, v_start, v_stop))
+
+    def slow_down(self, velocity: int, deceleration: int) -> int:
+        return int(self._library.ods_ramp_slow_down(velocity, deceleration))
 
 
 def _printed(library: Any, function: Callable[[], int]) -> list[str]:

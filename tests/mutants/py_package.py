@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.cross.testee import Bench
+from tests.mutants import ramps
 from tests.mutants.mutant import Catalogue
 from tests.mutants.py_code import ChangedRuntime
 from tests.mutants.py_tables import PyTables
@@ -20,7 +21,7 @@ from tests.unit.generator.backends.python import test_backend
 from odsmith.backends.python import PythonBackend
 from odsmith.model import Device
 from odsmith.render import write
-from odsmith_runtime.device import Config, Tables
+from odsmith_runtime.device import Config, Tables, ramp
 
 ROW_BY_ROW: tuple[Callable[[Any], None], ...] = (
     test_backend.test_every_object,
@@ -66,6 +67,8 @@ class PyMutants:
             self._owners |= dict.fromkeys(tables.numbers(), tables)
 
     def play(self, talk: Talk) -> list[tuple[str, ...]]:
+        if talk.device == ramps.DEVICE:
+            return [ramps.answer(_Ramps(), line) for line in talk.lines]
         config = Config(serial_number=talk.options.get("serial", 0), node_id=talk.options.get("node_id", 0))
         bench = Bench(Tables.of(self._packages[talk.device].module), config, talk.options.get("time", 0))
         return [tuple(bench.answer(line)) for line in talk.lines]
@@ -87,6 +90,19 @@ class PyMutants:
         areas = tuple((area.first, area.last, area.stride) for area in package.model.areas if area.stride)
         tests = {test.__name__: partial(_passes, test, package) for test in ROW_BY_ROW}
         return {**tests, "areas": lambda: package.dictionary.areas == areas}
+
+
+class _Ramps:
+    """The ramp generator in Python."""
+
+    def advance(self, numbers: Sequence[int], velocity: int, distance: int) -> tuple[int, bool]:
+        return ramp.advance(ramp.Ramp(*numbers), velocity, distance)
+
+    def turn(self, velocity: int, target: int, acceleration: int, v_start: int, v_stop: int) -> int:
+        return ramp.turn(velocity, target, acceleration, v_start, v_stop)
+
+    def slow_down(self, velocity: int, deceleration: int) -> int:
+        return ramp.slow_down(velocity, deceleration)
 
 
 def _passes(test: Callable[[Any], None], package: Package) -> bool:

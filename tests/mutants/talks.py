@@ -1,6 +1,7 @@
 """What mutants are told, and who judges the answers.
 
 A talk is a dialogue with a device from the beginning: a scenario, a probe of the oracle, or one that hypothesis wrote.
+The ramp generators are asked without a device.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from hypothesis import HealthCheck, Phase, given, seed, settings
 from tests.cross import events
 from tests.cross.oracle import Dialogue, Item
 from tests.cross.scenario import Scenario, all_scenarios
+from tests.mutants import ramps
 
 from odsmith.canopen_types import DataType
 from odsmith.model import Device
@@ -22,6 +24,9 @@ NODE_ID = 5
 
 TOGETHER = 6
 """Objects that one probe looks at."""
+
+EACH = 3
+"""A reset interrupts each third scenario."""
 
 DIALOGUES = 30
 """Dialogues that hypothesis writes for each device, always the same ones."""
@@ -43,23 +48,42 @@ class Talk:
 
 def all_talks(devices: Sequence[Device]) -> list[Talk]:
     talks = [_scenario(scenario) for scenario in all_scenarios()]
+    talks += [_interrupted(scenario) for scenario in all_scenarios()[::EACH]]
     for device in devices:
         talks += _generated(device)
         if device.object("error_register"):  # the oracle knows devices as complete as real ones
             talks += _probes(device)
-    return talks
+    return [*talks, *_ramps()]
 
 
 # ---- scenarios -------------------------------------------------------------------------------------------------------
 
 
 def _scenario(scenario: Scenario) -> Talk:
-    lines = tuple(step.line for step in scenario.steps)
-
     def accepts(answers: Answers) -> bool:
         return all(step.accepts(answer) for step, answer in zip(scenario.steps, answers, strict=True))
 
-    return Talk(scenario.name, scenario.device, scenario.options, lines, "scenarios", accepts)
+    return Talk(scenario.name, scenario.device, scenario.options, tuple(scenario.lines), "scenarios", accepts)
+
+
+def _interrupted(scenario: Scenario) -> Talk:
+    lines = (*scenario.interrupted, "DUMP 0000-FFFF")
+    return Talk(f"{scenario.name}, interrupted", scenario.device, scenario.options, lines, "", lambda _: True)
+
+
+# ---- ramps -----------------------------------------------------------------------------------------------------------
+
+SIZES = {"small": (4, 20), "middle": (20, 1000), "large": (1000, 10**6, 10**9), "huge": (10**9, 10**13, 10**15)}
+"""Of the numbers: whether a tick is a little slower or not shows in small ones, what overflows in huge ones."""
+
+
+def _ramps() -> Iterator[Talk]:
+    for name, sizes in SIZES.items():
+        lines = tuple(ramps.lines(sizes))
+        yield Talk(f"{name} ramps", ramps.DEVICE, {}, lines, "", lambda _: True)
+    for size in (10, 40, 300):
+        lines = tuple(ramps.braking(size))
+        yield Talk(f"braking from {size}", ramps.DEVICE, {}, lines, "", lambda _: True)
 
 
 # ---- dialogues at random ---------------------------------------------------------------------------------------------

@@ -137,14 +137,14 @@ def drive(moves: Sequence[Change]) -> list[Tick]:
 SMALL = 40
 
 
-@settings(max_examples=5 * settings.default.max_examples)
+@settings(max_examples=5 * settings().max_examples)
 @given(ramps(SMALL), st.integers(-SMALL, SMALL), st.integers(-20 * SMALL, 20 * SMALL) | st.integers(-SMALL, SMALL))
 def test_a_tick_is_that_of_the_contract(r: Ramp, velocity: int, distance: int) -> None:
     speed, arrives = ramp.advance(r, velocity, distance)
     assert (speed, distance if arrives else speed) == next_of(r, velocity, distance)
 
 
-@settings(max_examples=5 * settings.default.max_examples)
+@settings(max_examples=5 * settings().max_examples)
 @given(ramps(SMALL, flattest=1), st.integers(0, SMALL), st.integers(-2, 2 * SMALL))
 def test_a_tick_is_that_of_the_contract_where_it_has_to_slow_down(r: Ramp, velocity: int, left: int) -> None:
     distance = way_to_stop(r, velocity) + left
