@@ -268,7 +268,10 @@ void ods_fsa_fault(ods_node_t *node, ods_axis_t *axis, int off)
 
 void ods_fsa_network_stopped(ods_node_t *node, ods_axis_t *axis)
 {
-    if (axis->state == (uint8_t)ODS_PDS_STATE_OPERATION_ENABLED) {
+    /* One that is powering up would be enabled when no command reaches it any more. */
+    const int is_powering_up =
+        (axis->phase == (uint8_t)ODS_PHASE_POWERING) || (axis->phase == (uint8_t)ODS_PHASE_RELEASING);
+    if ((axis->state == (uint8_t)ODS_PDS_STATE_OPERATION_ENABLED) || is_powering_up) {
         ods_fsa_fault(node, axis, 0);
     }
 }

@@ -48,7 +48,7 @@ static inline void ods_fsa_listen(ods_axis_t *axis)
 /* An emergency with the reaction of a fault was raised: transition 13; `off`: there is no power left to brake. */
 void ods_fsa_fault(ods_node_t *node, ods_axis_t *axis, int off);
 
-/* The NMT state STOPPED makes an axis in operation faulty (manual, section 2.2). */
+/* The NMT state STOPPED makes an axis faulty that is in operation (manual, section 2.2), or on its way there. */
 void ods_fsa_network_stopped(ods_node_t *node, ods_axis_t *axis);
 
 /* A tick of an axis whose phase is not ODS_PHASE_NONE. */

@@ -217,7 +217,8 @@ class Axis:
             self.slow_down()
 
     def network_stopped(self) -> None:
-        if self.state == "operation_enabled":
+        """Those in operation or on the way there."""
+        if self.state == "operation_enabled" or self.phase in ("powering", "releasing"):
             self.fault(off=False)
 
     def slow_down(self) -> None:

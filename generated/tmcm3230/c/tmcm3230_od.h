@@ -226,8 +226,8 @@ enum {
 };
 
 /*
- * 1029h Error behaviour. What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in
- * operation enabled to fault.
+ * 1029h Error behaviour. What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis to
+ * fault that is in operation enabled or on its way there.
  */
 #define TMCM3230_OBJ_ERROR_BEHAVIOUR 0x1029u
 #define TMCM3230_SUB_ERROR_BEHAVIOUR_COMMUNICATION_ERROR 1u /* Communication error */

@@ -100,8 +100,11 @@ class Fsa:
             self._slow_down(Stop.QUICK_STOP_RAMP)
 
     def network_stopped(self) -> None:
-        """The NMT state STOPPED makes an axis in operation faulty (manual, section 2.2)."""
-        if self.state == PdsState.OPERATION_ENABLED:
+        """The NMT state STOPPED makes an axis faulty that is in operation (manual, section 2.2), or on its way there.
+
+        One that is powering up would be enabled when no command reaches it any more.
+        """
+        if self.state == PdsState.OPERATION_ENABLED or self.phase in (Phase.POWERING, Phase.RELEASING):
             self.fault(off=False)
 
     def tick(self) -> None:

@@ -9,7 +9,7 @@ module adds eight general purpose inputs, eight general purpose outputs and an a
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "cfbd6e5e04c87b7e"
+__spec_digest__ = "dcf41bc6ef3e0505"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

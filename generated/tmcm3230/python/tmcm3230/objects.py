@@ -285,8 +285,8 @@ class OsCommand(_Names[_H]):
 class ErrorBehaviour(_Names[_H]):
     """Error behaviour.
 
-    What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation enabled to
-    fault.
+    What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis to fault that is in
+    operation enabled or on its way there.
     """
 
     highest_sub_index: _Sub[int] = _Sub(0)
@@ -1022,8 +1022,8 @@ class DeviceObjects(_Names[_H]):
     error_behaviour: _Group[ErrorBehaviour[_H]] = _Group(0x1029, ErrorBehaviour)
     """Error behaviour (1029h).
 
-    What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation enabled to
-    fault.
+    What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis to fault that is in
+    operation enabled or on its way there.
 
     Source: manual, section 3.1.17, tables 44, 45; CiA 301, 7.5.2.32; inferred: value 2 and the errors that count are
     not printed.

@@ -185,8 +185,8 @@ TEXTS: dict[tuple[str, int | None], tuple[str, str]] = {
     ),
     ("error_behaviour", None): (
         (
-            "What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis in operation "
-            "enabled to fault."
+            "What an error does to the NMT state, in OPERATIONAL only. STOPPED also sends every axis to fault that is "
+            "in operation enabled or on its way there."
         ),
         (
             "manual, section 3.1.17, tables 44, 45; CiA 301, 7.5.2.32; inferred: value 2 and the errors that count are "

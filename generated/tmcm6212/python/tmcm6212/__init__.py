@@ -10,7 +10,7 @@ chopper.
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "2a8d10b05025822b"
+__spec_digest__ = "69c7de6ce231e853"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
