@@ -67,7 +67,7 @@ static inline void update_status(ods_node_t *node, const ods_axis_t *axis)
 /* Statusword, positions and outputs follow the state of the axis and of the module. */
 static void update(ods_node_t *node, const ods_axis_t *axis)
 {
-    ods_motion_show(node, axis);
+    ods_motion_show(node, axis, ods_motion_last_velocity(axis));
     update_status(node, axis);
     ods_motor_update(node, axis);
 }
@@ -232,7 +232,8 @@ static inline void put_conditions(ods_node_t *node, const ods_axis_t *axis, uint
 static void hear(ods_node_t *node, ods_axis_t *axis)
 {
     ods_axis_values_t *const values = axis->values;
-    axis->flags &= ~ODS_AXIS_NEWS;
+    axis->flags &= ~(ODS_AXIS_NEWS | ODS_AXIS_MEASURED);
+    axis->flags |= ods_motion_is_measured(axis) ? ODS_AXIS_MEASURED : 0u;
     ods_limits_sample(node, axis);
     ods_encoder_sample(axis);
     if ((axis->encoder.velocity != 0) || (axis->encoder.has_pulse != 0u)) {
@@ -258,7 +259,7 @@ static void tick(ods_node_t *node, ods_axis_t *axis)
         node->work |= ODS_WORK_OUTPUT;
     }
     ods_mode_tick(node, axis);
-    ods_motion_show(node, axis);
+    ods_motion_show(node, axis, ods_motion_velocity(axis));
     ods_limits_check(axis);
     put_conditions(node, axis, found | axis->limits);
     if ((axis->flags & ODS_AXIS_POWERED) != 0u) {

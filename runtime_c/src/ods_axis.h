@@ -24,6 +24,7 @@
 #define ODS_AXIS_NEWS 0x0800000u /* the hardware or a parameter may have changed since the last tick */
 #define ODS_AXIS_RESTS 0x1000000u /* a tick would change nothing */
 #define ODS_AXIS_DEAF 0x2000000u /* the last controlword once more would change nothing */
+#define ODS_AXIS_MEASURED 0x4000000u /* 606Ch shows the velocity of the encoder, as the last tick has found */
 
 /* Point an axis to its memory. Nothing else of it has a value yet. */
 void ods_axis_init(ods_node_t *node, uint8_t axis);

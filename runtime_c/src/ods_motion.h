@@ -46,10 +46,11 @@ static inline void ods_motion_move(ods_axis_t *axis, int64_t velocity, int64_t d
     if (distance != 0) {
         axis->position += distance;
         int64_t demand = axis->position / ODS_PER_MICROSTEP;
-        axis->steps = (int32_t)(demand - axis->demand);
         if (demand != (int32_t)demand) {
             demand = ods_motion_wrap(axis, demand);
         }
+        /* The difference of what is shown, so that motor and position stay together over the wrap, too. */
+        axis->steps = (int32_t)((uint32_t)demand - (uint32_t)axis->demand);
         axis->demand = (int32_t)demand;
         flags &= ~ODS_AXIS_BACKWARDS;
         flags |= (distance < 0) ? ODS_AXIS_BACKWARDS : 0u;
@@ -60,13 +61,30 @@ static inline void ods_motion_move(ods_axis_t *axis, int64_t velocity, int64_t d
     ods_encoder_follow(axis, axis->demand);
 }
 
+/* Whether it is the encoder that tells how fast the axis is. */
+static inline int ods_motion_is_measured(const ods_axis_t *axis)
+{
+    return ods_encoder_is_used(axis) && (axis->values->sensor_selection_code == ODS_MOTION_FROM_ENCODER);
+}
+
+/* What 606Ch shows from a tick on. */
+static inline int32_t ods_motion_velocity(const ods_axis_t *axis)
+{
+    const int is_measured = (axis->flags & ODS_AXIS_MEASURED) != 0u;
+    return ods_velocity_number(axis->values, is_measured ? axis->encoder.velocity : axis->velocity);
+}
+
+/* The same up to the next one. Parameters act only there; what may come between is that the power goes off. */
+static inline int32_t ods_motion_last_velocity(const ods_axis_t *axis)
+{
+    return ((axis->flags & (ODS_AXIS_MEASURED | ODS_AXIS_MOVING)) != 0u) ? axis->values->velocity_actual_value : 0;
+}
+
 /* The values that say where the axis is, and how fast. */
-static inline void ods_motion_show(ods_node_t *node, const ods_axis_t *axis)
+static inline void ods_motion_show(ods_node_t *node, const ods_axis_t *axis, int32_t velocity)
 {
     ods_axis_values_t *const values = axis->values;
     const int32_t actual = axis->encoder.position; /* without an encoder in use the ramp tells */
-    const int is_measured = ods_encoder_is_used(axis) && (values->sensor_selection_code == ODS_MOTION_FROM_ENCODER);
-    const int32_t velocity = ods_velocity_number(values, is_measured ? axis->encoder.velocity : axis->velocity);
 
     if ((values->position_demand_value != axis->demand) || (values->position_actual_value != actual) ||
         (values->velocity_actual_value != velocity)) {

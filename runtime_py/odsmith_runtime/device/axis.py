@@ -120,6 +120,7 @@ class Axis:
         self.fsa.tick()
         self.mode.tick()
         self.motion.show()
+        self.motion.show_velocity()
         self.limits.check()
         self._put_conditions()
         self.motor.tick()

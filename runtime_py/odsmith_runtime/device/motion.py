@@ -28,6 +28,7 @@ class Motion:
         self.velocity = 0
         self.steps = 0
         self.is_backwards = False  # the last movement was
+        self._is_measured = False  # 606Ch shows the velocity of the encoder
 
     @property
     def demand(self) -> int:
@@ -43,11 +44,12 @@ class Motion:
         before = self.demand
         self.velocity = velocity
         self.position += distance
-        self.steps = self.demand - before
         if self.demand > _HIGHEST:
             self.position -= _WRAP * PER_MICROSTEP
         elif self.demand < _LOWEST:
             self.position += _WRAP * PER_MICROSTEP
+        # the difference of what is shown, so that motor and position stay together over the wrap, too
+        self.steps = int32(self.demand - before)
         if distance:
             self.is_backwards = distance < 0
         self._axis.encoder.follow(self.demand)
@@ -73,13 +75,23 @@ class Motion:
         return self._axis.encoder.position
 
     def show(self) -> None:
-        """The values that say where the axis is, and how fast."""
-        values, encoder = self._axis.values, self._axis.encoder
+        """The values that say where the axis is, and how fast.
+
+        Parameters act only at a tick; what may come between two of them is that the power goes off.
+        """
+        values = self._axis.values
         values.position_demand_value = self.demand
         values.position_actual_internal_value = self.actual
         values.position_actual_value = self.actual
-        is_measured = encoder.is_used and values.sensor_selection_code == _ENCODER
-        values.velocity_actual_value = units.velocity_number(values, encoder.velocity if is_measured else self.velocity)
+        if not self._is_measured and not self.velocity:
+            values.velocity_actual_value = 0
+
+    def show_velocity(self) -> None:
+        """At a tick, by the parameters that then hold."""
+        values, encoder = self._axis.values, self._axis.encoder
+        self._is_measured = encoder.is_used and values.sensor_selection_code == _ENCODER
+        velocity = encoder.velocity if self._is_measured else self.velocity
+        values.velocity_actual_value = units.velocity_number(values, velocity)
 
     @property
     def velocity_in_pps(self) -> int:
