@@ -28,7 +28,7 @@ int ods_motor_has_brake(const ods_axis_t *axis)
 /* A number as it is used: signed where its type is. */
 static int32_t number_at(const void *value, uint8_t type)
 {
-    const int is_signed = (type & ODS_OD_BIASED) != 0u;
+    const int is_signed = ODS_OD_IS_SIGNED(type);
     switch (type & 3u) {
     case 0:
         return is_signed ? *(const int8_t *)value : *(const uint8_t *)value;

@@ -94,7 +94,7 @@ uint32_t ods_od_check(const ods_od_t *od, const ods_od_entry_t *entry, const ods
     const ods_od_interval_t *interval = &od->intervals[rule->first];
     uint32_t value = number;
 
-    if ((entry->kind & ODS_OD_BIASED) != 0u) {
+    if (ODS_OD_IS_SIGNED(entry->kind)) {
         const uint32_t sign = 0x80u << (8u * (ods_od_number_size(entry->kind) - 1u));
         value = ODS_OD_BIAS((value ^ sign) - sign);
     }

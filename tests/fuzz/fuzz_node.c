@@ -77,7 +77,7 @@ static uint32_t limit_of(const ods_od_t *od, const ods_od_entry_t *entry, uint8_
         value = (choice & 1u) ? interval->high : interval->low;
         value += (choice & 2u) ? ((choice & 1u) ? 1u : 0xFFFFFFFFu) : 0u;
     }
-    return (entry->kind & ODS_OD_BIASED) ? (uint32_t)ODS_OD_BIAS(value) : value;
+    return ODS_OD_IS_SIGNED(entry->kind) ? (uint32_t)ODS_OD_BIAS(value) : value;
 }
 
 /* A value that might mean something to an entry. */

@@ -17,7 +17,7 @@ static uint32_t number_of(const uint8_t *octets, uint8_t type)
     } else {
         memcpy(&bits, octets, sizeof bits);
     }
-    if (type & ODS_OD_BIASED) {
+    if (ODS_OD_IS_SIGNED(type)) {
         const uint32_t sign = 1u << ((8u * size) - 1u);
         bits = (uint32_t)ODS_OD_BIAS((bits ^ sign) - sign);
     }

@@ -39,7 +39,7 @@
  *         ODS_OD_SIGNATURE  signatures that are obeyed: ODS_ABORT_NOT_STORED
  *         ODS_OD_LISTED     a set: ODS_ABORT_INVALID_VALUE
  *         ODS_OD_RANGE      one interval, a range: ODS_ABORT_VALUE_TOO_HIGH or ODS_ABORT_VALUE_TOO_LOW
- *     Limits of types with ODS_OD_BIASED are biased, so that one unsigned comparison of the biased value does for all.
+ *     Limits of signed types are biased, so that one unsigned comparison of the biased value does for all.
  *
  * Strings
  *     A constant is as long as it is. A VISIBLE_STRING in memory ends at its first 0 octet or at its length; an
@@ -84,7 +84,7 @@ typedef enum {
 
 /*
  * Types, the low half of `kind`. From ODS_U8 on they are numbers, bits 1..0 being the binary logarithm of their size in
- * octets; 0 is a hole. The limits of types with ODS_OD_BIASED are biased.
+ * octets; 0 is a hole. A BOOLEAN counts as unsigned.
  */
 #define ODS_VISIBLE_STRING 0x01u
 #define ODS_OCTET_STRING 0x02u
@@ -100,8 +100,8 @@ typedef enum {
 #define ODS_BOOL 0x0Cu
 #define ODS_REAL32 0x0Eu
 #define ODS_REAL64 0x0Fu
-#define ODS_OD_BIASED 0x08u
 #define ODS_TYPE_MASK 0x0Fu
+#define ODS_OD_IS_SIGNED(kind) (((kind)&0x0Cu) == ODS_I8)
 
 /* Flags, the high half of `kind`. */
 #define ODS_READ 0x10u /* can be read */

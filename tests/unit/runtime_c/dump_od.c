@@ -136,7 +136,7 @@ static void print_value(const ods_od_ref_t *ref)
 
 static void print_intervals(const ods_od_entry_t *entry, const ods_od_rule_t *rule)
 {
-    const uint32_t bias = ((entry->kind & ODS_OD_BIASED) != 0u) ? 0x80000000u : 0u;
+    const uint32_t bias = ODS_OD_IS_SIGNED(entry->kind) ? 0x80000000u : 0u;
     printf(" %s", (rule->intervals == 0u) ? "any" : "");
     for (uint32_t n = 0; n < rule->intervals; n++) {
         const ods_od_interval_t *const interval = &od->intervals[rule->first + n];

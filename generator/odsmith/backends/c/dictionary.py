@@ -335,7 +335,7 @@ def _limits(entry: Entry) -> Iterator[Interval]:
     intervals = entry.allowed.intervals if entry.allowed else every
     if boolean or intervals != every:
         for low, high in intervals:
-            yield Interval(low, high, entry.type.signed or boolean)
+            yield Interval(low, high, entry.type.signed)
 
 
 def number_of(item: T, table: list[T], start: int = 0) -> int:

@@ -243,7 +243,7 @@ def test_intervals(nothing: Device) -> None:
         Interval(2, 15, False),
         Interval(make.value, make.value, False),
         Interval(kill.value, kill.value, False),
-        Interval(0, 1, True),
+        Interval(0, 1, False),
     )
     rules = [tables.rules[row.rule] for row in tables.entries]
     assert [(rule.first, rule.intervals, rule.signature, rule.listed) for rule in rules] == [
