@@ -91,14 +91,18 @@ void ods_axis_init(ods_node_t *node, uint8_t axis)
 void ods_axis_reset(ods_node_t *node, uint8_t axis)
 {
     ods_axis_t *const own = &node->axes[axis];
-    own->conditions = 0;
-    own->limits = 0;
-    own->flags = 0;
+    /* What the hardware says, and was told last, is not ours to forget. */
+    const ods_motor_answer_t answer = own->answer;
+    const uint32_t faults = own->faults;
+    const uint32_t outputs = own->outputs;
+
+    ods_axis_init(node, axis);
+    own->answer = answer;
+    own->faults = faults;
+    own->outputs = outputs;
     ods_axis_wake(own);
     ods_fsa_reset(node, own);
-    ods_motion_reset(own);
     ods_encoder_reset(own);
-    ods_motor_reset(own);
     ods_mode_reset(node, own);
     ods_motor_set_all(node, own);
     update(node, own);

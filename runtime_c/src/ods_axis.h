@@ -26,7 +26,7 @@
 #define ODS_AXIS_DEAF 0x2000000u /* the last controlword once more would change nothing */
 #define ODS_AXIS_MEASURED 0x4000000u /* 606Ch shows the velocity of the encoder, as the last tick has found */
 
-/* Point an axis to its memory. Nothing else of it has a value yet. */
+/* Point an axis to its memory. All the rest of it becomes 0. */
 void ods_axis_init(ods_node_t *node, uint8_t axis);
 
 /* As at power-on. The values of the axis have just been set. */

@@ -9,11 +9,7 @@
 
 void ods_encoder_reset(ods_axis_t *axis)
 {
-    ods_encoder_set_position(axis, 0);
     axis->encoder.count = axis->answer.encoder;
-    axis->encoder.velocity = 0;
-    axis->encoder.is_index = 0;
-    axis->encoder.has_pulse = 0;
 }
 
 /* Microsteps that 608Fh:01 increments stand for. */

@@ -8,6 +8,7 @@
 
 #include "ods/node.h"
 
+/* It counts from where it is. */
 void ods_encoder_reset(ods_axis_t *axis);
 
 static inline int ods_encoder_is_used(const ods_axis_t *axis)

@@ -223,14 +223,7 @@ static void decode(ods_node_t *node, ods_axis_t *axis, uint16_t word, uint16_t b
 void ods_fsa_reset(const ods_node_t *node, ods_axis_t *axis)
 {
     enter(node, axis, ODS_PDS_STATE_SWITCH_ON_DISABLED);
-    end_phases(axis);
     axis->goal = ODS_NONE;
-    axis->delay = 0;
-    axis->begun = 0;
-    axis->quick_stop = 0;
-    axis->word = 0;
-    axis->before = 0;
-    axis->flags &= ~ODS_AXIS_WAITING;
 }
 
 int ods_fsa_command(ods_node_t *node, ods_axis_t *axis, uint16_t word)

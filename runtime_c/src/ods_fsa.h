@@ -27,7 +27,7 @@ typedef enum {
     ODS_STOP_QUICK_STOP_RAMP /* 6085h */
 } ods_stop_t;
 
-/* As at power-on: transitions 0 and 1. */
+/* Transitions 0 and 1, at power-on. */
 void ods_fsa_reset(const ods_node_t *node, ods_axis_t *axis);
 
 /* Whether the axis obeys its mode. */

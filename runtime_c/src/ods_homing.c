@@ -35,12 +35,6 @@ static int is_active(const ods_axis_t *axis, const ods_homing_row_t *method)
     return (axis->values->digital_inputs & lines[method->reference]) != 0u;
 }
 
-void ods_homing_reset(ods_axis_t *axis)
-{
-    axis->flags &= ~ODS_AXIS_CALLED;
-    ods_homing_forget(axis);
-}
-
 void ods_homing_forget(ods_axis_t *axis)
 {
     go_on(axis, IDLE);

@@ -10,8 +10,6 @@
 
 #include "ods/node.h"
 
-void ods_homing_reset(ods_axis_t *axis);
-
 /* Another mode took over. What is requested stays. */
 void ods_homing_forget(ods_axis_t *axis);
 

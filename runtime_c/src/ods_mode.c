@@ -134,11 +134,7 @@ static void choose_slow_down_ramp(const ods_node_t *node, ods_axis_t *axis)
 void ods_mode_reset(const ods_node_t *node, ods_axis_t *axis)
 {
     axis->slow_down_ramp = ODS_NOWHERE;
-    axis->wait = 0;
     ods_mode_ramp_written(axis);
-    axis->fresh = 0;
-    ods_homing_reset(axis);
-    forget(axis);
     choose_slow_down_ramp(node, axis);
 }
 

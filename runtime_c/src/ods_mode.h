@@ -6,7 +6,7 @@
 
 #include "ods_axis.h"
 
-/* As at power-on. */
+/* At power-on. */
 void ods_mode_reset(const ods_node_t *node, ods_axis_t *axis);
 
 /* Whether the mode has something to do in the next tick. */

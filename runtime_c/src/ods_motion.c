@@ -2,15 +2,6 @@
 
 #define WRAP ((INT64_C(1) << 32) * ODS_PER_MICROSTEP)
 
-void ods_motion_reset(ods_axis_t *axis)
-{
-    axis->position = 0;
-    axis->demand = 0;
-    axis->velocity = 0;
-    axis->steps = 0;
-    axis->flags &= ~(ODS_AXIS_MOVING | ODS_AXIS_BACKWARDS);
-}
-
 int64_t ods_motion_wrap(ods_axis_t *axis, int64_t demand)
 {
     axis->position += (demand > 0) ? -WRAP : WRAP;

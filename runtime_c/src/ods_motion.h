@@ -10,8 +10,6 @@
 
 #define ODS_MOTION_FROM_ENCODER 0 /* 606Ah: the velocity is that of the encoder */
 
-void ods_motion_reset(ods_axis_t *axis);
-
 /* The power is off, nothing is demanded of the motor any more. */
 static inline void ods_motion_halt(ods_axis_t *axis)
 {

@@ -9,15 +9,6 @@
 
 ODS_STATIC_ASSERT(outputs_of_an_axis_are_the_last_ones, ODS_OUTPUTS == ODS_OUTPUT_POWER + OUTPUTS);
 
-void ods_motor_reset(ods_axis_t *axis)
-{
-    axis->flags &= ~(ODS_AXIS_POWERED | ODS_AXIS_RELEASED | ODS_AXIS_DRIVEN);
-    axis->current = 0;
-    axis->still = 0;
-    axis->faded_us = 0;
-    axis->driver = 0;
-}
-
 int ods_motor_has_brake(const ods_axis_t *axis)
 {
     return (axis->values->brake_current_feed_apply | axis->values->brake_current_feed_release) != 0;

@@ -9,9 +9,6 @@
 
 #define ODS_MOTOR_CURRENT_STEP 8u /* 2003h and 2004h: the driver knows 32 steps of 8 each */
 
-/* As at power-on: no power, the brake holds. */
-void ods_motor_reset(ods_axis_t *axis);
-
 /* Whether the brake is controlled automatically (200Ch). */
 int ods_motor_has_brake(const ods_axis_t *axis);
 
