@@ -1,7 +1,7 @@
 """The command `odsmith`.
 
 Exit status: 0 fine; 1 stale outputs, or lint findings of the level of `--fail-on`; 2 cannot work on it (a bad spec, an
-unreadable file, wrong options).
+unreadable file, wrong options); 130 ended by Ctrl-C before its work was done.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 Looked = tuple[Sequence[Diagnostic], Mapping[str, str]]
 
 FINE, FINDINGS, FAILED = 0, 1, 2
+INTERRUPTED = 130  # as shells have it
 LEVELS = ("note", "warning", "error")
 
 GENERATOR_NEEDS = frozenset({"jinja2", "jsonschema_rs", "rich", "yaml"})
@@ -48,6 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for stream in (sys.stdout, sys.stderr):
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
         return FAILED
+    except KeyboardInterrupt:
+        return INTERRUPTED
     return status
 
 

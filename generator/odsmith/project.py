@@ -60,11 +60,29 @@ def _select_one(folder: Path, name: str) -> Root:
     known = {root.name: root for root in roots(folder)} if (folder / "spec").is_dir() else {}
     if name in known:
         return known[name]
+    if (packaged := packaged_spec(name)) is not None:
+        return Root(name, packaged)
+    raise UsageError(f"there is no device `{name}`", known_hint([*known, *packaged_names()]))
+
+
+def packaged_spec(name: str) -> Path | None:
+    """The file of a device or vocabulary that odsmith brings along."""
     library = data_folder("spec")
     for packaged in (library / f"{name}.yaml", library / name / f"{name}.yaml"):
         if isinstance(packaged, Path) and packaged.is_file():
-            return Root(name, packaged)
-    raise UsageError(f"there is no device `{name}`", f"known: {', '.join(known) or 'none'}; or name a YAML file")
+            return packaged
+    return None
+
+
+def packaged_names() -> list[str]:
+    """The devices that odsmith brings along."""
+    files = (file for file in data_folder("spec").iterdir() if isinstance(file, Path) and file.suffix == ".yaml")
+    return sorted(file.stem for file in files if b"\ndevice:" in file.read_bytes())
+
+
+def known_hint(names: Iterable[str]) -> str:
+    """What somebody could have meant who named nothing that there is."""
+    return f"known: {', '.join(dict.fromkeys(names)) or 'none'}; or name a YAML file"
 
 
 def compile_all(selected: Iterable[Root]) -> list[Compiled]:

@@ -189,12 +189,18 @@ def compare(outputs: Iterable[Output], folder: Path) -> Differences:
 
 def _ours(folder: Path, part: str) -> Iterator[str]:
     mark = MARK.encode()
-    for root, _, files in os.walk(folder / part):
+    for root, folders, files in os.walk(folder / part):
+        folders[:] = (name for name in folders if not _is_of_setuptools(name))
         for file in files:
             path = Path(root, file)
             with contextlib.suppress(OSError), path.open("rb") as stream:
                 if mark in stream.read(2048):
                     yield path.relative_to(folder).as_posix()
+
+
+def _is_of_setuptools(folder: str) -> bool:
+    """Whether pip has left a folder behind in a package that was installed, with copies of our files in it."""
+    return folder == "build" or folder.endswith(".egg-info")
 
 
 def write(outputs: Iterable[Output], folder: Path) -> Differences:

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import pkgutil
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 from odsmith.errors import UsageError
-from odsmith_runtime.io.can_link import LinkError, open_bus
+from odsmith_runtime.io.can_link import BIT_RATES, LinkError, open_bus
 from odsmith_runtime.io.control import CommandError
 from odsmith_runtime.io.engine import EngineError
 from odsmith_runtime.io.library import cache_folder
@@ -33,7 +34,9 @@ if TYPE_CHECKING:
 def add_interface(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--interface", metavar="NAME", help="a kind of bus that python-can knows: socketcan, pcan ...")
     parser.add_argument("--channel", metavar="NAME", help="which bus of this kind: can0, PCAN_USBBUS1 ...")
-    parser.add_argument("--bitrate", type=positive, metavar="KBIT", help="bit rate in kbit/s, if the bus wants one")
+    parser.add_argument(
+        "--bitrate", type=bit_rate, metavar="BIT/S", help="bit rate in bit/s, such as 500000, if the bus wants one"
+    )
 
 
 def add_bus(parser: argparse.ArgumentParser) -> None:
@@ -50,10 +53,16 @@ def node_id(word: str) -> int:
     return int(word)
 
 
-def positive(word: str) -> int:
-    if not word.isdecimal() or int(word) == 0:
-        raise argparse.ArgumentTypeError(f"a whole number above 0, not {word}")
+def bit_rate(word: str) -> int:
+    if not word.isdecimal() or int(word) not in BIT_RATES:
+        raise argparse.ArgumentTypeError(f"in bit/s one of {', '.join(map(str, BIT_RATES))}, not {word}")
     return int(word)
+
+
+def check_interface(options: argparse.Namespace) -> None:
+    """What belongs to an interface is not passed over in silence. Raises UsageError."""
+    if options.bitrate and not options.interface:
+        raise UsageError("--bitrate without an --interface that has one", "such as --interface socketcan")
 
 
 def factor(word: str) -> float:
@@ -69,6 +78,7 @@ def factor(word: str) -> float:
 @contextmanager
 def bus_of(options: argparse.Namespace) -> Iterator[BusTransport]:
     """The bus that the options name. Raises UsageError."""
+    check_interface(options)
     with explained():
         if options.interface:
             if options.connect:
@@ -135,30 +145,27 @@ def load(folder: Path, names: Sequence[str]) -> list[Loaded]:
 
 def known_devices(folder: Path) -> list[str]:
     """The devices of the project, else those that odsmith brings along."""
-    from odsmith.project import roots
-    from odsmith.render import data_folder
+    from odsmith.project import packaged_names, roots
 
-    spec = folder if (folder / "spec").is_dir() else None
-    if spec is None:
-        return sorted(item.name.removesuffix(".yaml") for item in data_folder("spec").iterdir() if _is_device(item))
-    return [root.name for root in roots(spec) if _is_device(root.path)]
+    if not (folder / "spec").is_dir():
+        return packaged_names()
+    return [root.name for root in roots(folder) if _is_device(root.path)]
 
 
-def _is_device(file: object) -> bool:
-    from importlib.resources.abc import Traversable
-
-    if not isinstance(file, Traversable) or not file.name.endswith(".yaml"):
-        return False
+def _is_device(file: Path) -> bool:
     return any(line.startswith(b"device:") for line in file.read_bytes().splitlines())
 
 
 def _load_one(folder: Path, name: str) -> Loaded:
-    from odsmith.project import select
+    from odsmith.project import known_hint, packaged_names, select
 
     is_own = name.endswith((".yaml", ".yml")) or (folder / "spec" / f"{name}.yaml").is_file()
     if not is_own and (installed := _installed(name)) is not None:
         return Loaded(installed, None)
-    (root,) = select(folder, [name])
+    try:
+        (root,) = select(folder, [name])
+    except UsageError as error:
+        raise UsageError(str(error), known_hint([*known_devices(folder), *packaged_names(), *_importable()])) from None
     return _generate(root.path)
 
 
@@ -170,6 +177,43 @@ def _installed(name: str) -> ModuleType | None:
     except ImportError:
         return None
     return module if hasattr(module, "__spec_digest__") and hasattr(module, "IDENTITY") else None
+
+
+def _importable() -> list[str]:
+    """The generated packages that Python finds, told by their files: to import everything would take its time."""
+    found = []
+    for module in pkgutil.iter_modules():
+        folder = Path(getattr(module.module_finder, "path", "")) / module.name
+        if module.ispkg and (folder / "identity.py").is_file():
+            with suppress(OSError):
+                if b"__spec_digest__" in (folder / "__init__.py").read_bytes():
+                    found.append(module.name)
+    return found
+
+
+def specification(loaded: Loaded) -> Compiled:
+    """What a package was made of: its model, or for an installed one the same that odsmith brings along.
+
+    Raises UsageError if there is none, SpecError.
+    """
+    from odsmith.compile import compile_spec
+    from odsmith.project import packaged_spec
+
+    if loaded.compiled is not None:
+        return loaded.compiled
+    name = loaded.package.__name__
+    path = packaged_spec(name)
+    if path is None:
+        raise UsageError(
+            f"odsmith brings no specification of the installed {name} along", f"name yours: odsmith engine {name}.yaml"
+        )
+    compiled = compile_spec(path)
+    if compiled.model.digest != loaded.package.__spec_digest__:
+        raise UsageError(
+            f"the installed {name} was made of another specification than the one that odsmith brings along",
+            f"install both of one version, or name the other one: odsmith engine {name}.yaml",
+        )
+    return compiled
 
 
 def _generate(path: Path) -> Loaded:

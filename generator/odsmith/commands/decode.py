@@ -20,7 +20,7 @@ _LONGEST_WAIT_S = 0.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("log", nargs="?", help="lines of `candump -L`, - for the standard input (default: a live bus)")
+    parser.add_argument("log", nargs="?", help="lines of candump, - for the standard input (default: a live bus)")
     parser.add_argument(
         "--device", action="append", default=[], metavar="NAME", help="a model of the bus; repeatable (default: all)"
     )

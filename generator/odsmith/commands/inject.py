@@ -24,7 +24,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--connect", default=DEFAULT_ADDRESS, metavar="HOST:PORT", help="where `odsmith simulate` listens"
     )
-    parser.add_argument("--node-id", type=node_id, default=0, metavar="N", help="to which node (default: the only one)")
+    parser.add_argument(
+        "--node-id",
+        type=node_id,
+        default=0,
+        metavar="N",
+        help="to which node, by its present ID (default: the only one)",
+    )
 
 
 def run(options: argparse.Namespace) -> int:

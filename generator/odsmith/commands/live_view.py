@@ -15,10 +15,12 @@ from odsmith.commands.keys import keys
 from odsmith_runtime.io.control import CommandError
 from odsmith_runtime.io.device import VirtualDevice
 from odsmith_runtime.io.simulator import Simulator
+from odsmith_runtime.io.view import DeviceView
 from odsmith_runtime.io.watch import emergency_text
 
 _LOOK_S = 0.1
 _LINES = 5
+_FRAME_LINES = 3  # of a panel, beside those of its axes
 _HELP = (
     "0-9 axis   n node   l r h switches   s stall   t too hot   e enable input   x lose a frame   d delay   p power   "
     "q quit"
@@ -82,21 +84,34 @@ def show(simulator: Simulator, devices: list[VirtualDevice], places: list[str], 
     """Show them until somebody ends it."""
     desk = Desk(devices)
     simulator.log = desk.lines.append
-    with keys() as pressed, Live(picture(simulator, desk, places), auto_refresh=False, screen=True) as live:
+    with keys() as pressed, Live(auto_refresh=False, screen=True) as live:
         while not stopped.wait(_LOOK_S):
             if not all(desk.press(key) for key in pressed()):
                 return
-            live.update(picture(simulator, desk, places), refresh=True)
+            live.update(picture(simulator, desk, places, live.console.height), refresh=True)
 
 
-def picture(simulator: Simulator, desk: Desk, places: list[str]) -> Group:
-    """Everything that is to be seen now."""
+def picture(simulator: Simulator, desk: Desk, places: list[str], height: int) -> Group:
+    """Everything that is to be seen now. Where the lines are too few, nodes but the chosen one are a line each."""
     late = f", {simulator.given_up_us / 1_000_000:.1f} s too slow" if simulator.given_up_us else ""
     first = desk.devices[0]
     title = f"{first.identity.name} on {', '.join(places)}   engine {first.engine.name}   "
     heading = Text(f"{title}{simulator.wire.now / 1_000_000:.1f} s{late}", style="bold")
-    panels = [_device(device, desk.axis if device is desk.device else None) for device in desk.devices]
-    return Group(heading, *panels, *(Text(line) for line in desk.lines), Text(_HELP, style="dim"))
+    room = height - 2 - _LINES
+    short = sum(device.axis_count + _FRAME_LINES for device in desk.devices) > room
+    devices = [
+        _device(device, desk.axis if device is desk.device else None)
+        if device is desk.device or not short
+        else Text(f"  {_title(device, device.view())}", no_wrap=True, overflow="ellipsis")
+        for device in desk.devices
+    ]
+    return Group(heading, *devices, *(Text(line) for line in desk.lines), Text(_HELP, style="dim"))
+
+
+def _title(device: VirtualDevice, view: DeviceView) -> str:
+    last = device.emergencies[-1] if device.emergencies else None
+    emergency = f"   last EMCY {emergency_text(last[1].data, last[2])}" if last else ""
+    return f"node {view.node_id}   {view.state}   LEDs {view.leds}   {view.bit_rate} kbit/s{emergency}"
 
 
 def _device(device: VirtualDevice, chosen: int | None) -> Panel:
@@ -108,7 +123,6 @@ def _device(device: VirtualDevice, chosen: int | None) -> Panel:
         style = "reverse" if number == chosen else "red" if "ault" in axis.state else ""
         numbers = (axis.position, axis.velocity, axis.load, axis.shaft)
         table.add_row(str(number), axis.state, axis.mode, *map(str, numbers), style=style)
-    last = device.emergencies[-1] if device.emergencies else None
-    emergency = f"   last EMCY {emergency_text(last[1].data, last[2])}" if last else ""
-    title = f"node {view.node_id}   {view.state}   LEDs {view.leds}   {view.bit_rate} kbit/s{emergency}"
-    return Panel(table, title=Text(title), title_align="left", border_style="" if chosen is None else "cyan")
+    return Panel(
+        table, title=Text(_title(device, view)), title_align="left", border_style="" if chosen is None else "cyan"
+    )

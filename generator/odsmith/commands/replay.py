@@ -15,8 +15,12 @@ from odsmith_runtime.io.replay import Difference, compare, of_masters
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("log", type=Path, help="lines of `candump -L`, such as `simulate --record` writes")
-    parser.add_argument("device", nargs="?", help="run the log against this device, at once, and compare what it sends")
+    parser.add_argument("log", type=Path, help="lines of candump, such as `simulate --record` writes")
+    parser.add_argument(
+        "device",
+        nargs="?",
+        help="run the log against this device, at once, and compare what it sends; hands that inject are in no log",
+    )
     parser.add_argument(
         "--node-id",
         type=node_id,

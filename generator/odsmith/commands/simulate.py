@@ -8,15 +8,26 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from ipaddress import ip_address
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from odsmith.commands.common import Loaded, add_interface, explained, factor, load, node_id
+from odsmith.commands.common import (
+    Loaded,
+    add_interface,
+    check_interface,
+    explained,
+    factor,
+    load,
+    node_id,
+    specification,
+)
 from odsmith.errors import UsageError, visible
 from odsmith_runtime.io.device import VirtualDevice
 from odsmith_runtime.io.engine import CHOICES
+from odsmith_runtime.io.library import find
 from odsmith_runtime.io.simulator import Link, Simulator
 from odsmith_runtime.io.socketcand import DEFAULT_ADDRESS, SocketcandServer
 from odsmith_runtime.io.state_file import StateFile
@@ -47,35 +58,43 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
+    check_interface(options)
+    if options.channel and not options.interface:
+        raise UsageError("--channel without an --interface", "such as --interface socketcan")
     (loaded,) = load(options.project, [options.device])
     node_ids = options.node_id or [1]
     if len({*node_ids}) < len(node_ids):
         raise UsageError("two devices with one node-ID")
     stopped = threading.Event()
-    _end_on_signals(stopped)
-    engine = _prepare_engine(options, loaded)
     simulator = Simulator(speed=options.speed)
     links: list[Link] = []
     try:
         with explained():
-            server = _connect(options, simulator, links)
+            server = _connect(options, simulator, links)  # whoever comes while C is compiled waits instead of failing
             state = StateFile(options.state, loaded.package.__name__) if options.state else None
+            engine = _prepare_engine(options, loaded)
             devices = [
                 VirtualDevice(loaded.package, number, engine=engine, state=state, simulator=simulator)
                 for number in node_ids
             ]
+        if simulator.link_error:  # not even the boot-up frame gets there
+            raise simulator.link_error
     except BaseException:
         for link in links:
-            link.close()
+            with suppress(OSError):
+                link.close()
         raise
     if server:
         server.devices += devices
+    _end_on_signals(stopped)  # until here there is nothing to be saved
     _live(options, simulator, devices, server, stopped)
     for device in devices:
         device.save()
     failed = next((device.save_error for device in devices if device.save_error), None)
     if failed:
         raise UsageError(f"the parameters are not saved: {failed}")
+    if simulator.link_error:  # it was told when it happened, and shall not look like success
+        raise simulator.link_error
     return 0
 
 
@@ -90,18 +109,30 @@ def _end_on_signals(stopped: threading.Event) -> None:
 def _prepare_engine(options: argparse.Namespace, loaded: Loaded) -> str:
     """Compile the C engine if it is wanted and can be had; gives what to ask for."""
     choice: str = options.engine
-    if choice == "python" or loaded.compiled is None:
+    if choice == "python":
         return choice
     from odsmith.engine import build
 
     try:
-        build(loaded.compiled, announce=lambda: print("compiling the C engine, once ...", file=sys.stderr, flush=True))
+        compiled = specification(loaded)
+    except UsageError as error:
+        if find(loaded.package):  # it was built of a specification that is elsewhere
+            return choice
+        return _without_c(choice, error)
+    try:
+        build(compiled, announce=lambda: print("compiling the C engine, once ...", file=sys.stderr, flush=True))
     except (UsageError, OSError) as error:
-        if choice == "c":
-            raise
-        print(f"the engine is Python's: {str(error).splitlines()[0]}", file=sys.stderr)
-        return "python"
+        return _without_c(choice, error)
     return choice
+
+
+def _without_c(choice: str, error: UsageError | OSError) -> str:
+    """Say why it is Python, and how to get C; an error where C is demanded."""
+    if choice == "c":
+        raise error
+    hint = error.hint if isinstance(error, UsageError) else ""
+    print(f"the engine is Python's: {str(error).splitlines()[0]}" + (f"; {hint}" if hint else ""), file=sys.stderr)
+    return "python"
 
 
 def _connect(options: argparse.Namespace, simulator: Simulator, links: list[Link]) -> SocketcandServer | None:

@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 _POLL_S = 0.1  # how long a receiving thread may not notice that it is to end
 
 
+BIT_RATES = (10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000)
+"""In bit/s: those that CiA 301 recommends, and 100 kbit/s, which many devices have."""
+
+
 class LinkError(Exception):
     """A link cannot be opened; `hint` says what to do."""
 
@@ -25,15 +29,17 @@ class LinkError(Exception):
 
 
 def open_bus(interface: str, channel: str | None, bitrate: int | None = None, **options: object) -> can.BusABC:
-    """A bus of python-can. `bitrate` is in kbit/s. Raises LinkError."""
+    """A bus of python-can. `bitrate` is in bit/s, one of `BIT_RATES`. Raises LinkError."""
+    if bitrate is not None and bitrate not in BIT_RATES:
+        raise LinkError(f"no CANopen bus has {bitrate} bit/s", f"bit rates: {', '.join(map(str, BIT_RATES))}")
     try:
         import can
     except ModuleNotFoundError as error:
         if error.name != "can":
             raise
         raise LinkError("python-can is not installed", "pip install 'odsmith[can]'") from None
-    if bitrate:
-        options["bitrate"] = bitrate * 1000
+    if bitrate is not None:
+        options["bitrate"] = bitrate
     try:
         return can.Bus(interface=interface, channel=channel, **options)  # type: ignore[arg-type]
     except (can.CanError, OSError, ValueError, TypeError, ImportError, NotImplementedError) as error:

@@ -1,16 +1,19 @@
 """What a hand does to a virtual device, as words: `axis0 overtemperature on`, `axis2 left 1`, `lose 3`.
 
 axisN CONDITION on|off        a fault of the hardware, by its name in the model
-axisN INPUT VALUE             the simulated motor: left, right, home, blocked, load, temperature, left_at, shaft ...
+axisN SWITCH on|off           left, right, home: somebody presses it
+axisN INPUT VALUE             the simulated motor: load, temperature, left_at, right_at, home_from, home_to, shaft ...
 axisN stall on|off            the shaft is held
 supply MILLIVOLTS             of all motors
 enable on|off                 the enable input of the module
 inN on|off, analogN VALUE     its digital and analog inputs
 address VALUE                 its switches, read at power-on and reset
 can STATE                     the CAN controller: ok, warning, passive, busoff, error, overrun, rxfull, txfull
-lose COUNT                    so many of the next frames to or from the device are lost
+lose FRAMES                   so many of the next frames to or from the device are lost
 delay MILLISECONDS            its frames are so late
 power on|off|cycle
+
+Of an axis, what is on or off may be without `on`.
 """
 
 from __future__ import annotations
@@ -39,7 +42,20 @@ CAN_WORDS = {
 
 T = TypeVar("T")
 
-_SWITCHED = {"on": 1, "off": 0}
+UNITS = {
+    **dict.fromkeys(("left_at", "right_at", "home_from", "home_to", "hysteresis", "shaft"), "microsteps"),
+    "load": "parts of 1023",
+    "temperature": "degrees Celsius",
+    "revolution": "microsteps",
+    "increments": "increments of the encoder in a revolution",
+    "supply": "millivolts",
+    "address": "the number that the switches show",
+    "lose": "frames",
+    "delay": "milliseconds",
+}
+"""What the values of commands are in, but for those that are on or off."""
+
+_SWITCHED = {"on": 1, "off": 0, "1": 1, "0": 0}
 _LONGEST_DELAY_MS = 60_000
 
 
@@ -61,42 +77,45 @@ def obey(device: VirtualDevice, words: Sequence[str]) -> None:
 def _of_axis(device: VirtualDevice, axis: int, words: Sequence[str]) -> None:
     if axis >= device.axis_count:
         raise CommandError(f"there is no axis {axis}, axes are 0 to {device.axis_count - 1}")
-    name, value = _pair(words, "the name of a fault or of an input, then its value")
-    if name == "stall":
+    if not 1 <= len(words) <= 2:
+        raise CommandError("wanted: the name of a fault or of an input, then its value")
+    name, *values = words
+    if name == "stall":  # of the shaft, not the condition that follows from it
         name = "blocked"
-    if name in device.conditions and name != "stall":
-        device.fault(axis, name, bool(_switched(value)))
+    elif name in device.conditions:
+        device.fault(axis, name, bool(_switched(*values)))
         return
     if name not in INPUTS or name == SUPPLY:
         known = sorted({*device.conditions, *INPUTS} - {SUPPLY})
         raise CommandError(f"there is no `{name}` of an axis, but {', '.join(known)}")
     try:
-        device.set_hardware(axis, name, _number(value))
+        device.set_hardware(axis, name, _number(name, *values) if name in UNITS else _switched(*values))
     except ValueError as error:
         raise CommandError(str(error)) from None
 
 
 def _of_device(device: VirtualDevice, name: str, words: Sequence[str]) -> None:
     numbered = re.fullmatch(r"(in|analog)(\d{1,2})", name)
-    value = words[0] if len(words) == 1 else ""
-    if not value:
-        raise CommandError(f"`{name}` wants one value")
+    if len(words) != 1:
+        unit = f": {UNITS[name]}" if name in UNITS else ""
+        raise CommandError(f"`{name}` wants one value{unit}")
+    (value,) = words
     if name == SUPPLY:
         limits = INPUTS[SUPPLY]
         for axis in range(device.axis_count):
-            device.set_hardware(axis, SUPPLY, _within(value, limits.low, limits.high))
+            device.set_hardware(axis, SUPPLY, _within(name, value, limits.low, limits.high))
     elif name == "enable":
         device.input(Input.ENABLE, 0, _switched(value))
     elif name == "address":
-        device.input(Input.ADDRESS, 0, _within(value, 0, 0xFF))
+        device.input(Input.ADDRESS, 0, _within(name, value, 0, 0xFF))
     elif numbered:
         _channel(device, numbered[1], int(numbered[2]), value)
     elif name == "can":
         device.report_can(_one_of(value, CAN_WORDS))
     elif name == "lose":
-        device.lose(_within(value, 0, 1_000_000))
+        device.lose(_within(name, value, 0, 1_000_000))
     elif name == "delay":
-        device.delay(_within(value, 0, _LONGEST_DELAY_MS))
+        device.delay(_within(name, value, 0, _LONGEST_DELAY_MS))
     elif name == "power":
         _one_of(value, {"on": 1, "off": 0, "cycle": 2})
         if value in ("off", "cycle"):
@@ -114,38 +133,28 @@ def _channel(device: VirtualDevice, kind: str, channel: int, value: str) -> None
     if channel >= count:
         raise CommandError(f"there is no {kind}{channel}, the device has {count}")
     if kind == "analog":
-        device.input(Input.ANALOG, channel, _within(value, 0, 0xFFFF))
+        device.input(Input.ANALOG, channel, _within(kind, value, 0, 0xFFFF))
     else:
         device.digital_input(channel, bool(_switched(value)))
 
 
-def _pair(words: Sequence[str], wanted: str) -> tuple[str, str]:
-    if len(words) == 1:
-        return words[0], "on"
-    if len(words) != 2:
-        raise CommandError(f"wanted: {wanted}")
-    return words[0], words[1]
-
-
-def _switched(word: str) -> int:
-    value = _number(word)
-    if value not in (0, 1):
+def _switched(word: str = "on") -> int:
+    if word not in _SWITCHED:
         raise CommandError(f"on or off, not `{word}`")
-    return value
+    return _SWITCHED[word]
 
 
-def _number(word: str) -> int:
-    if word in _SWITCHED:
-        return _SWITCHED[word]
+def _number(name: str, word: str = "") -> int:
     if not re.fullmatch(r"-?\d{1,12}", word):
-        raise CommandError(f"a number, on or off, not `{word}`")
+        unit = f" ({UNITS[name]})" if name in UNITS else ""
+        raise CommandError(f"{name} wants a whole number{unit}" + (f", not `{word}`" if word else ""))
     return int(word)
 
 
-def _within(word: str, low: int, high: int) -> int:
-    value = _number(word)
+def _within(name: str, word: str, low: int, high: int) -> int:
+    value = _number(name, word)
     if not low <= value <= high:
-        raise CommandError(f"{low} to {high}, not {value}")
+        raise CommandError(f"{name} is {low} to {high}, not {value}")
     return value
 
 

@@ -45,9 +45,9 @@ class VirtualDevice:
     """A device of a generated package.
 
     `node_id` is the default of the stored one; `engine` is auto, c or python; `state` is the file that keeps its
-    memory. `interface`, `channel` and `bitrate` join a bus of python-can, `bus` is one that is open already; `listen`
-    is HOST:PORT of a socketcand server, port 0 a free one; `record` is a file for a log of candump. Devices that are
-    given a `simulator` share its bus and its time, and it starts and stops them.
+    memory. `interface`, `channel` and `bitrate` in bit/s join a bus of python-can, `bus` is one that is open already;
+    `listen` is HOST:PORT of a socketcand server, port 0 a free one; `record` is a file for a log of candump. Devices
+    that are given a `simulator` share its bus and its time, and it starts and stops them.
 
     Raises EngineError, StateError, LinkError, OSError; ValueError for a wrong speed.
     """

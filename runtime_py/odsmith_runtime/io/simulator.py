@@ -54,6 +54,7 @@ class Simulator:
         self.after_turn: list[Callable[[], None]] = []  # called whenever something has happened, while locked
         self.observers: list[Callable[[int, Frame, Station], None]] = []  # told of the frames of devices
         self.given_up_us = 0  # time that the machine was too slow for
+        self.link_error: OSError | None = None  # the first that broke a link
         self._links: list[Link] = []
         self._broken: list[Link] = []
         self._changed = threading.Condition(self.lock)
@@ -111,16 +112,21 @@ class Simulator:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread and close all links."""
+        """End the thread and close all links. `link_error` says whether one of them broke, now or before."""
         with self.lock:
             self._stopping = True
             self._changed.notify_all()
             thread, self._thread = self._thread, None
-            links, self._links, self._broken = [*self._links, *self._broken], [], []
+            links, broken, self._links, self._broken = self._links, self._broken, [], []
         if thread:
             thread.join()
         for link in links:
-            with suppress(OSError):
+            try:
+                link.close()
+            except OSError as error:
+                self._note(error)
+        for link in broken:
+            with suppress(OSError):  # it has been said before
                 link.close()
         with self.lock:
             self._end_turn()
@@ -181,6 +187,11 @@ class Simulator:
             try:
                 link.send(time, frame, from_device=from_device)
             except OSError as error:
-                self.log(f"a link broke and is given up: {error}")
+                self._note(error)
                 self._links.remove(link)
                 self._broken.append(link)  # its thread may wait for us, so this is no place to close it
+
+    def _note(self, error: OSError) -> None:
+        """A link broke."""
+        self.log(f"a link broke and is given up: {error}")
+        self.link_error = self.link_error or error

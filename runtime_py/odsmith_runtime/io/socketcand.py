@@ -44,7 +44,7 @@ MOST_MISTAKES = 32
 """Commands that are not understood, before the client is closed."""
 
 _CHUNK = 1 << 14
-_HELD_BACK_S = 0.05
+_HELD_BACK_S = 0.5  # a client on a busy machine needs its time
 _COMMAND = re.compile(rb"<([^<>]*)>")
 
 
@@ -111,7 +111,7 @@ class SocketcandServer:
             client.waiting += line
             if len(client.waiting) > MOST_WAITING:
                 client.close_for("it does not read what it is sent")
-            elif not (may_wait and client.is_held_back()):
+            elif not (may_wait and client.held_back_s()):
                 client.flush()
             needs_thread = bool(client.waiting) or client.is_over
         if needs_thread:
@@ -139,14 +139,14 @@ class SocketcandServer:
         longest = None
         for client in tuple(self._clients):
             with self._lock:
-                held_back = client.is_held_back()
-                writes = bool(client.waiting) and not held_back
+                held_back_s = client.held_back_s()
+                writes = bool(client.waiting) and not held_back_s
                 is_over = client.is_over
             if is_over:
                 self._drop(client)
                 continue
-            if held_back:
-                longest = _HELD_BACK_S
+            if held_back_s:
+                longest = min(held_back_s, longest or _HELD_BACK_S)
             wanted = selectors.EVENT_READ | (selectors.EVENT_WRITE if writes else 0)
             if self._selector.get_key(client.socket).events != wanted:
                 self._selector.modify(client.socket, wanted, client)
@@ -227,9 +227,9 @@ class SocketcandServer:
     def _inject(self, client: _Client, node: str, command: Sequence[str]) -> None:
         from .control import obey
 
-        chosen = [device for device in self.devices if node in (str(device.configured_id), "0")]
+        chosen = [device for device in self.devices if node in (str(device.node_id), "0")]
         if len(chosen) != 1:
-            nodes = ", ".join(str(device.configured_id) for device in self.devices)
+            nodes = ", ".join(str(device.node_id) for device in self.devices)
             self._put(client, f"< error which node? there are {nodes} >".encode())
             return
         try:
@@ -238,7 +238,7 @@ class SocketcandServer:
             text = re.sub("[<>]", "", str(error))
             self._put(client, f"< error {text} >".encode("ascii", "replace"))
             return
-        self._simulator.log(f"node {chosen[0].configured_id}: {' '.join(command)}")
+        self._simulator.log(f"node {chosen[0].node_id}: {' '.join(command)}")
         self._put(client, b"< ok >")
 
     def _complain(self, client: _Client, text: str) -> None:
@@ -290,10 +290,9 @@ class _Client:
         """
         self._held_until = time.monotonic() + _HELD_BACK_S
 
-    def is_held_back(self) -> bool:
-        if self._held_until is not None and time.monotonic() >= self._held_until:
-            self._held_until = None
-        return self._held_until is not None
+    def held_back_s(self) -> float:
+        """How much longer frames are held back."""
+        return 0.0 if self._held_until is None else max(0.0, self._held_until - time.monotonic())
 
     def resume(self) -> None:
         """It says something, so it has read everything."""

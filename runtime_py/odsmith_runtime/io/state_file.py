@@ -25,9 +25,9 @@ class StateError(Exception):
 
 
 class StateFile:
-    """The file at `path`, of devices of one package. Raises StateError for one that is damaged or of another device.
+    """The file at `path`, of devices of one package. Whether it can be written is found out now, not when it matters.
 
-    Raises OSError where it is there and cannot be read.
+    Raises StateError for one that cannot be read or written, is damaged or of another device.
     """
 
     def __init__(self, path: Path, device: str) -> None:
@@ -35,10 +35,12 @@ class StateFile:
         self._device = device
         self._images: dict[str, bytes] = {}
         try:
-            text = path.read_bytes()
+            self._images = self._parse(path.read_bytes())
         except FileNotFoundError:
-            return
-        self._images = self._parse(text)
+            pass
+        except OSError as error:
+            raise StateError(f"{path} cannot be read: {error.strerror}", "name another file") from None
+        self._try_folder()
 
     def image(self, node: int) -> bytes | None:
         """The memory of a node; None for one that was never stored."""
@@ -53,6 +55,18 @@ class StateFile:
         content = {"format": FORMAT, "device": self._device, "nodes": nodes}
         _replace(self.path, (json.dumps(content, indent=1) + "\n").encode())
         self._images = images
+
+    def _try_folder(self) -> None:
+        """Each saving makes a new file beside the old one, so see whether that works."""
+        folder = self.path.resolve().parent
+        try:
+            with tempfile.TemporaryFile(dir=folder):
+                pass
+        except OSError as error:
+            raise StateError(
+                f"{self.path} cannot be written: {folder}: {error.strerror}",
+                "make this folder, or name a file in another one" if not folder.exists() else "name another folder",
+            ) from None
 
     def _parse(self, text: bytes) -> dict[str, bytes]:
         try:

@@ -181,7 +181,10 @@ def test_the_same_bytes_from_any_folder(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["build", "tou"], "odsmith: error: there is no device `tou`\nhint: known: toy; or name a YAML file\n"),
+        (
+            ["build", "tou"],
+            "odsmith: error: there is no device `tou`\nhint: known: toy, tmcm3230, tmcm6212; or name a YAML file\n",
+        ),
         (
             ["build", "--backend", "pascal"],
             "odsmith: error: there is no backend `pascal`\nhint: built in: eds, c, python, docs\n",
@@ -403,6 +406,14 @@ def test_nobody_reads(arguments: str, closed: str, project: Path) -> None:
     assert process.returncode == 2
     assert not process.stdout
     assert not process.stderr
+
+
+def test_ctrl_c_leaves_without_a_traceback(monkeypatch: pytest.MonkeyPatch, run: Run, project: Path) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("odsmith.project.select", interrupt)
+    assert run("list") == (130, "", "")
 
 
 @pytest.mark.slow

@@ -89,10 +89,10 @@ def test_select_from_the_packaged_library(tmp_path: Path, root: Path) -> None:
 def test_select_what_is_not_there(project: Path, tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there is no device `tou`") as caught:
         select(project, ["toy", "tou"])
-    assert caught.value.hint == "known: words, toy; or name a YAML file"
+    assert caught.value.hint == "known: words, toy, tmcm3230, tmcm6212; or name a YAML file"
     with pytest.raises(UsageError) as caught:
         select(tmp_path, ["tou"])
-    assert caught.value.hint == "known: none; or name a YAML file"
+    assert caught.value.hint == "known: tmcm3230, tmcm6212; or name a YAML file"
 
 
 def test_errors_of_all_files_are_shown(project: Path, tmp_path: Path) -> None:

@@ -24,6 +24,16 @@ def test_write_reports_and_writes_only_what_changed(tmp_path: Path) -> None:
     assert not write([_output("dev/c/a.h", "new"), first[1]], tmp_path)
 
 
+def test_what_pip_leaves_in_an_installed_package_is_no_output(tmp_path: Path) -> None:
+    for place in ("build/lib/dev/a.py", "dev.egg-info/PKG-INFO"):
+        path = tmp_path / "dev" / "python" / place
+        path.parent.mkdir(parents=True)
+        path.write_text(f"# {MARK}\n")
+    outputs = [_output("dev/python/dev/a.py", "1")]
+    assert write(outputs, tmp_path).left_over == ()
+    assert not compare(outputs, tmp_path)
+
+
 def test_left_over_outputs_go_and_foreign_files_stay(tmp_path: Path) -> None:
     write([_output("dev/c/a.h", "1"), _output("dev/c/old.h", "2")], tmp_path)
     (tmp_path / "dev/c/mine.h").write_text("/* written by hand */")

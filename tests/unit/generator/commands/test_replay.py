@@ -9,7 +9,7 @@ from tests.unit.generator.commands.conftest import Run
 
 
 @pytest.mark.parametrize(
-    ("text", "message"), [("", "has no frames"), ("hello\n", "run.log:1: this is no line of candump -L")]
+    ("text", "message"), [("", "has no frames"), ("hello\n", "run.log:1: this is no line of candump")]
 )
 def test_no_log(run: Run, tmp_path: Path, text: str, message: str) -> None:
     log = tmp_path / "run.log"

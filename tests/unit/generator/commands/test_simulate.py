@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import can
 import pytest
 from tests.unit.generator.commands.conftest import Run, Simulation
+from tests.unit.runtime_py.io.conftest import generated
+
+from odsmith import engine
+from odsmith.commands.common import Loaded
+from odsmith.commands.simulate import _prepare_engine
+from odsmith.errors import UsageError
+from odsmith_runtime.io.library import find, library_path
+from odsmith_runtime.io.socketcand import SocketcandServer
 
 Simulate = Callable[..., Simulation]
 
@@ -67,9 +79,9 @@ def test_two_terminals(simulate: Simulate, run: Run, tmp_path: Path) -> None:
     busy = run("simulate", "tmcm6212", "--engine", "python", "--listen", simulation.address)
     assert busy.status == 2
     assert "in use" in busy.err
-    assert simulation.end() == 0
 
-    decoded = run("decode", log, "--device", "tmcm6212")
+    decoded = run("decode", log, "--device", "tmcm6212")  # while it goes on
+    assert simulation.end() == 0
     assert decoded.status == 0
     assert "4310h Overtemperature error of axis 3" in decoded.out
     assert "remedy: " in decoded.out
@@ -119,12 +131,18 @@ def test_a_live_bus_is_decoded(simulate: Simulate, root: Path) -> None:
         (["--speed", "0"], "0.001 to 1000, not 0"),
         (["--speed", "fast"], "0.001 to 1000, not fast"),
         (["--engine", "rust"], "invalid choice: 'rust'"),
+        (["--interface", "virtual", "--bitrate", "500"], "in bit/s one of 10000, 20000, 50000, 100000, 125000, "),
+        (["--interface", "virtual", "--bitrate", "fast"], "1000000, not fast"),
+        (["--bitrate", "500000"], "--bitrate without an --interface"),
+        (["--channel", "can0"], "--channel without an --interface"),
         (["--listen", "nowhere"], "no HOST:PORT"),
         (["--listen", "256.0.0.1:1"], "256.0.0.1"),
         (["--interface", "nonsense"], "no bus at interface nonsense"),
         (["--state", "pyproject.toml", "--listen", "127.0.0.1:0"], "pyproject.toml is damaged or no state"),
-        (["--state", ".", "--listen", "127.0.0.1:0"], "directory"),
+        (["--state", ".", "--listen", "127.0.0.1:0"], "cannot be read: Is a directory"),
+        (["--state", "no/such/x.json", "--listen", "127.0.0.1:0"], "hint: make this folder"),
         (["--record", "no/such/folder/x.log"], "no/such/folder/x.log: No such file"),
+        (["--record", "/dev/full", "--listen", "127.0.0.1:0"], "/dev/full: No space left"),
     ],
 )
 def test_bad_options(run: Run, options: list[str], message: str) -> None:
@@ -159,6 +177,76 @@ def test_an_unknown_device(run: Run) -> None:
     failed = run("simulate", "tmcm9999")
     assert failed.status == 2
     assert "there is no device `tmcm9999`" in failed.err
+
+
+@pytest.fixture
+def prepare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, ModuleType], str]:
+    """`prepare("auto", package)` gives the engine to ask for, with a compiler that only makes a file."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setattr(engine, "_compile", lambda outputs, path: path.write_bytes(b"library"))
+    return lambda choice, package: _prepare_engine(argparse.Namespace(engine=choice), Loaded(package, None))
+
+
+def test_the_engine_of_an_installed_package_is_c(prepare: Callable[[str, ModuleType], str]) -> None:
+    """odsmith brings specification and runtime along, so it needs no checkout."""
+    package = generated("tmcm6212")
+    assert find(package) is None
+    assert prepare("auto", package) == "auto"
+    assert find(package) is not None
+
+
+def test_it_says_why_it_is_python(
+    prepare: Callable[[str, ModuleType], str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    package = ModuleType("my_drive")
+    package.__dict__["__spec_digest__"] = "x"
+    assert prepare("python", package) == "python"
+    assert capsys.readouterr().err == ""
+    assert prepare("auto", package) == "python"
+    said = capsys.readouterr().err
+    assert said.startswith("the engine is Python's: odsmith brings no specification of the installed my_drive along; ")
+    assert said.endswith("odsmith engine my_drive.yaml\n")
+    assert said.count("\n") == 1
+    with pytest.raises(UsageError, match="my_drive"):
+        prepare("c", package)
+    library = library_path("my_drive", "x")
+    library.parent.mkdir(parents=True)
+    library.touch()  # somebody has built it elsewhere
+    assert prepare("auto", package) == "auto"
+
+
+def test_without_a_compiler_it_is_python(
+    prepare: Callable[[str, ModuleType], str], capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise UsageError("the C engine needs a C compiler", "install one")
+
+    monkeypatch.setattr(engine, "_compile", refuse)
+    assert prepare("auto", generated("tmcm6212")) == "python"
+    assert "the engine is Python's: the C engine needs a C compiler; install one\n" in capsys.readouterr().err
+
+
+def test_who_comes_while_the_engine_is_compiled_waits(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """python-can would be told that nobody is there, and give up after ten seconds."""
+    places: list[str] = []
+    make = SocketcandServer.__init__
+
+    def listen(self: SocketcandServer, *arguments: Any) -> None:
+        make(self, *arguments)
+        places.append(self.address)
+
+    def compile_nothing() -> None:
+        host, _, port = places[0].rpartition(":")
+        socket.create_connection((host, int(port))).close()
+        places.append("connected")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(SocketcandServer, "__init__", listen)
+    monkeypatch.setattr(engine, "build", lambda *_, **__: compile_nothing())
+    assert run("simulate", "tmcm6212", "--listen", "127.0.0.1:0").status == 130
+    assert places[1:] == ["connected"]
+    with pytest.raises(OSError, match="refused"):
+        socket.create_connection(("127.0.0.1", int(places[0].rpartition(":")[2])))
 
 
 def test_a_live_view(root: Path) -> None:

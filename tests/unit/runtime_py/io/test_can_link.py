@@ -14,7 +14,7 @@ from tests.unit.runtime_py.io.test_log import frames
 
 from odsmith_runtime.device import Frame
 from odsmith_runtime.io import VirtualDevice
-from odsmith_runtime.io.can_link import LinkError, from_message, open_bus, to_message
+from odsmith_runtime.io.can_link import BIT_RATES, LinkError, from_message, open_bus, to_message
 
 PATIENCE_S = 20  # only a failing test waits so long
 
@@ -63,6 +63,28 @@ def test_frames_that_a_bus_does_not_take_are_lost(package: ModuleType) -> None:
         device.exchange(read(0x1000))
     assert len(said) == 1
     assert "frames are lost" in said[0]
+
+
+def test_bit_rates_are_in_bits_per_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of python-can are."""
+    asked: list[object] = []
+
+    def open_nothing(**options: object) -> None:
+        asked.append(options.get("bitrate"))
+
+    monkeypatch.setattr(can, "Bus", open_nothing)
+    open_bus("pcan", "PCAN_USBBUS1", 500_000)
+    open_bus("pcan", "PCAN_USBBUS1")
+    assert asked == [500_000, None]
+    for wrong in (0, 500, 123_456):
+        with pytest.raises(LinkError, match=f"no CANopen bus has {wrong} bit/s") as raised:
+            open_bus("pcan", "PCAN_USBBUS1", wrong)
+        assert "100000, 125000, 250000, 500000, 800000, 1000000" in raised.value.hint
+
+
+def test_all_devices_find_their_bit_rates(package: ModuleType, other_package: ModuleType) -> None:
+    for device in (package, other_package):
+        assert {1000 * rate for rate in device.IDENTITY.bit_rates} <= {*BIT_RATES}
 
 
 def test_an_unknown_interface() -> None:

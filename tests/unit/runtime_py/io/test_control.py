@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 from tests.unit.runtime_py.io.conftest import number, read
 
+from odsmith_runtime.device.simulation import INPUTS, SUPPLY
 from odsmith_runtime.io import CommandError, VirtualDevice
+from odsmith_runtime.io.control import UNITS
 
 
 @pytest.mark.parametrize("condition", ["overtemperature", "open_load_b", "following_error"])
@@ -23,8 +25,22 @@ def test_faults(device: VirtualDevice, condition: str) -> None:
 
 def test_on_may_be_left_out(device: VirtualDevice) -> None:
     device.inject("axis0 left")
+    device.inject("axis0 overtemperature")
     device.run(0.002)
     assert number(device, 0x60FD) & 1
+    assert number(device, 0x1001) != 0
+
+
+def test_every_input_is_a_switch_or_has_a_unit() -> None:
+    assert {name for name, limits in INPUTS.items() if (limits.low, limits.high) != (0, 1)} == {*INPUTS} & {*UNITS}
+
+
+@pytest.mark.parametrize("name", sorted({*INPUTS} & {*UNITS} - {SUPPLY}))
+@pytest.mark.parametrize("value", ["", "on"])
+def test_a_number_is_not_left_out(device: VirtualDevice, name: str, value: str) -> None:
+    """`axis0 home_from` would else be a switch at position 1."""
+    with pytest.raises(CommandError, match=rf"{name} wants a whole number \({UNITS[name]}\)"):
+        device.inject(f"axis0 {name} {value}")
 
 
 @pytest.mark.parametrize(("command", "faulty"), [("supply 5000", True), ("supply 24000", False)])
@@ -86,17 +102,23 @@ def test_power(device: VirtualDevice) -> None:
         ("axis0 lift on", "no `lift` of an axis, but .*left, left_at"),
         ("axis0 supply 7", "no `supply` of an axis"),
         ("axis0 fault_reset on", "no `fault_reset`"),
-        ("axis0 left 2", "left is 0 to 1, not 2"),
+        ("axis0 left 2", "on or off, not `2`"),
+        ("axis0 load 2000", "load is 0 to 1023, not 2000"),
         ("axis0 overtemperature 2", "on or off, not `2`"),
-        ("axis0 temperature warm", "a number, on or off, not `warm`"),
-        ("axis0 shaft 99999999999999999", "a number"),
-        ("supply", "wants one value"),
-        ("supply -1", "0 to 100000"),
+        ("axis0 temperature warm", r"a whole number \(degrees Celsius\), not `warm`"),
+        ("axis0 shaft 99999999999999999", "a whole number"),
+        ("axis0 shaft 999999999999", "shaft is -"),
+        ("supply", "wants one value: millivolts"),
+        ("supply on", "supply wants a whole number"),
+        ("supply -1", "supply is 0 to 100000"),
+        ("lose", "wants one value: frames"),
+        ("enable", "`enable` wants one value$"),
+        ("analog0 on", "analog wants a whole number, not `on`"),
         ("in4 on", "no in4, the device has 4"),
         ("analog9 1", "no analog9"),
         ("can great", "ok, warning, passive"),
         ("power up", "on, off, cycle, not `up`"),
-        ("delay 60001", "0 to 60000"),
+        ("delay 60001", "delay is 0 to 60000, not 60001"),
         ("coffee 1", "no `coffee`; known: axisN"),
     ],
 )

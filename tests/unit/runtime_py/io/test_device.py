@@ -53,13 +53,16 @@ def test_a_state_of_another_size_is_refused(package: ModuleType, tmp_path: Path)
 
 
 def test_a_file_that_cannot_be_written_is_told(package: ModuleType, tmp_path: Path) -> None:
-    device, said = VirtualDevice(package, engine="python", state=tmp_path / "gone" / "state.json"), list[str]()
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    device, said = VirtualDevice(package, engine="python", state=folder / "state.json"), list[str]()
     device.simulator.log = said.append
+    folder.rmdir()
     device.exchange(SAVE)
     device.exchange(read(0x1000))
     assert len(said) == 1
     assert device.save_error is not None
-    (tmp_path / "gone").mkdir()
+    folder.mkdir()
     device.save()
     assert device.save_error is None
 
@@ -76,6 +79,22 @@ def test_a_record_is_a_log(package: ModuleType, tmp_path: Path) -> None:
     assert begin is not None
     assert end is not None
     assert end - begin == pytest.approx(0.25, abs=1e-5)
+
+
+def test_a_record_can_be_read_while_it_is_written(package: ModuleType, tmp_path: Path) -> None:
+    path = tmp_path / "run.log"
+    device = VirtualDevice(package, engine="python", record=path)
+    device.exchange(read(0x1000))
+    assert [item.frame.id for item in read_log(path.read_text().splitlines())] == [0x701, 0x601, 0x581]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full here")
+def test_a_record_that_cannot_be_written_is_told(package: ModuleType) -> None:
+    device = VirtualDevice(package, engine="python", record="/dev/full")
+    assert isinstance(device.simulator.link_error, OSError)
+    assert device.simulator.link_error.filename == "/dev/full"
+    assert len(device.exchange(read(0x1000))) == 1  # it goes on
+    device.stop()
 
 
 def test_it_is_seen(device: VirtualDevice) -> None:

@@ -112,6 +112,21 @@ def test_a_broken_link_is_given_up(simulator: Simulator, package: ModuleType) ->
     assert said == ["a link broke and is given up: broken"]
     simulator.stop()
     assert sink.closed == 1
+    assert str(simulator.link_error) == "broken"
+
+
+def test_a_link_may_break_when_it_is_closed(simulator: Simulator, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> None:
+        raise OSError("no space left")
+
+    sink, other, said = Sink(), Sink(), list[str]()
+    monkeypatch.setattr(sink, "close", fail)
+    simulator.log = said.append
+    simulator.connect(sink)
+    simulator.connect(other)
+    simulator.stop()
+    assert said == ["a link broke and is given up: no space left"]
+    assert (str(simulator.link_error), other.closed) == ("no space left", 1)
 
 
 def test_links_live_as_long_as_it(simulator: Simulator) -> None:

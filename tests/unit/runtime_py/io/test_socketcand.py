@@ -141,7 +141,7 @@ def test_python_can(server: VirtualDevice) -> None:
 def test_python_can_joins_a_busy_bus(server: VirtualDevice) -> None:
     """It wants to read the answer to its command alone, so frames must not follow at once."""
     server.exchange(Frame(0x601, bytes.fromhex("2b17100001000000")))  # a heartbeat each millisecond
-    for _ in range(10):
+    for _ in range(3):
         with can.Bus(interface="socketcand", host="127.0.0.1", port=server.port, channel="can0") as bus:
             message = bus.recv(PATIENCE_S)
             assert message is not None
@@ -274,6 +274,22 @@ def test_inject_says_why_not(connect: Connect) -> None:
     peer.hear("< error there is no axis 9, axes are 0 to 5 >")
     peer.say(b"< inject 2 axis0 left on >")
     peer.hear("< error which node? there are 1 >")
+
+
+def test_inject_goes_by_the_node_id_in_force(connect: Connect, server: VirtualDevice) -> None:
+    server.inject("address 9")
+    server.inject("power cycle")
+    assert (server.configured_id, server.node_id) == (1, 9)
+    peer = connect()
+    peer.hear("< hi >")
+    peer.say(b"< inject 1 axis3 shaft 5 >")
+    peer.hear("< error which node? there are 9 >")
+    peer.say(b"< inject 9 axis3 shaft 5 >")
+    peer.hear("< ok >")
+    assert server.engine.shaft(3) == 5
+    server.inject("power off")
+    peer.say(b"< inject 9 power on >")
+    peer.hear("< ok >")
 
 
 # ---- addresses -------------------------------------------------------------------------------------------------------

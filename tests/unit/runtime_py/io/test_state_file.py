@@ -69,6 +69,42 @@ def test_the_file_of_another_device_is_refused(path: Path) -> None:
         StateFile(path, "tmcm6212")
 
 
+@pytest.mark.parametrize(
+    ("place", "message", "hint"),
+    [
+        ("gone/state.json", "cannot be written: .*gone: No such file or directory", "make this folder"),
+        ("file/state.json", "cannot be read: Not a directory", "name another file"),
+        ("folder", "cannot be read: Is a directory", "name another file"),
+        ("dangling", "cannot be written: .*gone: No such file or directory", "make this folder"),
+    ],
+)
+def test_a_place_that_cannot_be_used_is_refused_at_once(path: Path, place: str, message: str, hint: str) -> None:
+    path.with_name("file").touch()
+    path.with_name("folder").mkdir()
+    path.with_name("dangling").symlink_to(path.with_name("gone") / "state.json")
+    with pytest.raises(StateError, match=message) as raised:
+        StateFile(path.parent / place, "tmcm6212")
+    assert raised.value.hint.startswith(hint)
+
+
+@pytest.mark.parametrize("call", ["os.open", "io.open"])
+def test_a_folder_without_permission_is_refused_at_once(path: Path, monkeypatch: pytest.MonkeyPatch, call: str) -> None:
+    """As root one has every permission, so it is the system call that says no."""
+    StateFile(path, "tmcm6212").save(1, b"one")
+
+    def refuse(*_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(call, refuse)
+    with pytest.raises(StateError, match=r"cannot be (written|read): .*Permission denied"):
+        StateFile(path, "tmcm6212")
+
+
+def test_to_look_leaves_nothing_behind(path: Path) -> None:
+    StateFile(path, "tmcm6212")
+    assert [*path.parent.iterdir()] == []
+
+
 def test_the_old_file_stays_where_the_new_one_cannot_be_written(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     state = StateFile(path, "tmcm6212")
     state.save(1, b"one")
