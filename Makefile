@@ -6,6 +6,7 @@
 # make pictures            what the axes do, recorded and drawn anew; the example's needs matplotlib
 # make api-docs             pages of the Python API, in build/api
 # make bench  figures of speed and memory, beside the peers'
+# make bench-client        the client beside python-canopen's, and how many virtual devices a core runs
 # make bench-c, sizes      the same of the C runtime: instructions, flash, RAM and stack
 # make coverage            lines of the C runtime that the tests execute
 # make bench-cross         how much the two runtimes are held to each other, and how fast they answer
@@ -22,8 +23,8 @@ SET_UP := $(VENV)/set-up
 # Some shells set it; imports then cost twenty times as much.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: all test fast lint engine api-docs bench bench-c bench-cross sizes coverage mutants mutants-sample cross-long \
-    fuzz fuzz-short pictures clean
+.PHONY: all test fast lint engine api-docs bench bench-client bench-c bench-cross sizes coverage mutants mutants-sample \
+    cross-long fuzz fuzz-short pictures clean
 
 all: $(SET_UP)
 	$(BIN)/odsmith build
@@ -42,6 +43,10 @@ lint: $(SET_UP)
 
 bench: $(SET_UP)
 	$(BIN)/python bench/bench.py
+
+bench-client: $(SET_UP) engine
+	$(BIN)/python bench/bench_client.py
+	$(BIN)/python bench/bench_virtual.py
 
 bench-c: $(SET_UP)
 	$(BIN)/python bench/bench_c.py

@@ -30,6 +30,7 @@ from .errors import (
     PlanError,
     SdoAborted,
     StateError,
+    StateTimeoutError,
 )
 from .pdo_plan import BusLoad, Rpdo, Tpdo
 from .scale import Scale
@@ -55,6 +56,7 @@ __all__ = [
     "SdoAborted",
     "Seen",
     "StateError",
+    "StateTimeoutError",
     "Tpdo",
     "Value",
 ]

@@ -45,7 +45,7 @@ class AsyncAxis(AsyncStates):
         if info is None or info.needs_power:
             await self.require_enabled()
         start = self._bit("HOMING_OPERATION_START")
-        word = await self._word()
+        word = await self._word() & ~self._bit("HALT")
         await self._send_word(word & ~start)
         await self._send_word(word | start)
         await self._core.link.pause(SETTLE)
@@ -88,6 +88,7 @@ class AsyncAxis(AsyncStates):
             await self._put({"target_velocity": 0})  # an old one would act as soon as the mode is chosen
             await self.set_mode(ModeCode.PROFILE_VELOCITY)
         await self._put({"target_velocity": count})
+        await self.resume()
         await self._core.link.pause(SETTLE)
         if wait:
             await self.wait(timeout)
@@ -104,9 +105,7 @@ class AsyncAxis(AsyncStates):
             if seen.state in diagnosis.FAULTY:
                 raise await self._fault(seen)
             if seen.state != PdsState.OPERATION_ENABLED and self._needs_power(mode):
-                raise diagnosis.state_error(
-                    self._facts, self.number, seen, PdsState.OPERATION_ENABLED, link.emergencies
-                )
+                raise await self._state_error(seen, PdsState.OPERATION_ENABLED)
             moved = link.now() if moves(seen) else moved
             if link.now() - moved > STUCK and (why := await self._why_stuck(seen)):
                 raise MotionError(self.number, f"axis {self.number} does not move: {why}", await self._portrait(seen))
@@ -117,14 +116,22 @@ class AsyncAxis(AsyncStates):
         await self._judge(seen)
 
     async def halt(self, timeout: float = STATE_TIMEOUT) -> None:
-        """Slow down to rest by the halt bit; the movement goes on with `resume`."""
+        """Slow down to rest by the halt bit; the movement goes on with `resume`, the next one takes the bit back too.
+
+        Homing knows no halt: there it is ended as by `stop`, and `home` begins it anew.
+        """
+        if await self.mode() == ModeCode.HOMING:
+            await self.stop(timeout)
+            return
         await self._send_word(await self._word() | self._bit("HALT"))
         await self._core.link.pause(SETTLE)
-        await self._reach(lambda seen: not moves(seen), "standstill", timeout)
+        await self._reach(lambda seen: not moves(seen), diagnosis.STANDSTILL, timeout)
 
     async def resume(self) -> None:
-        """Take the halt back."""
-        await self._send_word(await self._word() & ~self._bit("HALT"))
+        """Take the halt back; nothing happens where there is none."""
+        word = await self._word()
+        if word & self._bit("HALT"):
+            await self._send_word(word & ~self._bit("HALT"))
 
     async def stop(self, timeout: float = STATE_TIMEOUT) -> None:
         """Slow down to rest and forget the movement; the axis stays powered, in its mode."""
@@ -139,7 +146,7 @@ class AsyncAxis(AsyncStates):
             await self.set_mode(mode, timeout)
             await self.resume()
         await self._core.link.pause(SETTLE)
-        await self._reach(lambda seen: not moves(seen), "standstill", timeout)
+        await self._reach(lambda seen: not moves(seen), diagnosis.STANDSTILL, timeout)
 
     # ---- steps of a movement -----------------------------------------------------------------------------------------
 
@@ -150,9 +157,11 @@ class AsyncAxis(AsyncStates):
         self._facts.entry("target_position", self._axis).check(microsteps)
         await self.set_mode(ModeCode.PROFILE_POSITION)
         new = self._bit("NEW_SET_POINT")
-        word = await self._word() & ~new & ~self._bit("HALT") & ~self._bit("RELATIVE")
-        word |= self._bit("RELATIVE") if relative else 0
-        await self._put({"target_position": microsteps, "controlword": word})
+        before = await self._word() & ~new & ~self._bit("RELATIVE")
+        before |= self._bit("RELATIVE") if relative else 0
+        word = before & ~self._bit("HALT")
+        # A halt stays until the edge of the new set-point, or the move that was halted would go on up to there.
+        await self._put({"target_position": microsteps, "controlword": before})
         await self._acknowledged(False)
         await self._send_word(word | new)
         await self._acknowledged(True)
@@ -163,7 +172,7 @@ class AsyncAxis(AsyncStates):
     async def _acknowledged(self, wanted: bool) -> None:
         seen = await self._reach(
             lambda seen: ("set_point_acknowledge" in seen.flags) is wanted or seen.state != PdsState.OPERATION_ENABLED,
-            "set-point acknowledge",
+            diagnosis.ACKNOWLEDGE,
             STATE_TIMEOUT,
         )
         if seen.state in diagnosis.FAULTY:
@@ -195,8 +204,8 @@ class AsyncAxis(AsyncStates):
         link = self._core.link
         await link.pause(SETTLE)
         portrait = await self._portrait(seen)
-        return diagnosis.last_fault(self._facts, self.number, link.emergencies, portrait) or MotionError(
-            self.number, f"axis {self.number} is in {seen.state}", portrait
+        return diagnosis.last_fault(self._facts, self.number, link.recent_emergencies, portrait) or MotionError(
+            self.number, f"axis {self.number} is in {seen.state}, by {diagnosis.NO_EMERGENCY}", portrait
         )
 
     async def _why_stuck(self, seen: Seen) -> str:

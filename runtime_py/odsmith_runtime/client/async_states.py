@@ -5,6 +5,7 @@ States have the words of the vocabulary. Every wait has a time-out, in seconds.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from odsmith_cia.words import PdsCommand, PdsState
 
 from ..names import AsyncLive, Names
 from . import diagnosis
+from .errors import ClientError
 from .scale import Scale
 
 if TYPE_CHECKING:
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 
     from .core import Core
     from .diagnosis import Seen
+    from .errors import StateError
     from .scale import Length, Speed
 
 POLL = 0.005
@@ -107,7 +110,7 @@ class AsyncStates(Names[AsyncLive]):
         await self.require_enabled()
         await self._command(PdsCommand.QUICK_STOP)
         await self._core.link.pause(SETTLE)
-        await self._reach(lambda seen: not moves(seen), PdsState.QUICK_STOP_ACTIVE, timeout)
+        await self._reach(lambda seen: not moves(seen), diagnosis.STANDSTILL, timeout)
 
     async def reset_fault(self, timeout: float = STATE_TIMEOUT) -> None:
         """Leave the state fault; nothing happens in other states."""
@@ -130,9 +133,7 @@ class AsyncStates(Names[AsyncLive]):
         until = self._core.link.now() + timeout
         while await self.mode() != code:
             if self._core.link.now() >= until:
-                raise diagnosis.state_error(
-                    self._facts, self.number, await self.status(), f"mode {mode}", self._core.link.emergencies
-                )
+                raise await self._state_error(await self.status(), diagnosis.MODE, timeout)
             await self._core.link.pause(POLL)
 
     # ---- states ------------------------------------------------------------------------------------------------------
@@ -140,34 +141,46 @@ class AsyncStates(Names[AsyncLive]):
     async def _travel(self, wanted: str, timeout: float) -> None:
         """Go to a state, by commands where there are and by waiting where it comes of itself."""
         link, machine = self._core.link, self._facts.state_machine
-        until = link.now() + timeout
+        began = link.now()
         while (seen := await self.status()).state != wanted:
             route = machine.route(seen.state, wanted) if machine else None
             if not route or seen.state == PdsState.FAULT:
-                raise diagnosis.state_error(self._facts, self.number, seen, wanted, link.emergencies)
+                raise await self._state_error(seen, wanted)
             commands = [name for name in route[0].by if machine and name in machine.commands]
             if commands:
                 await self._command(commands[0])
             before = seen.state
-            await self._reach(lambda seen: seen.state != before, wanted, until - link.now())  # noqa: B023
+            await self._reach(lambda seen: seen.state != before, wanted, timeout, began)  # noqa: B023
 
     async def require_enabled(self) -> None:
         """Raise StateError unless the axis is in operation."""
         seen = await self.status()
         if seen.state != PdsState.OPERATION_ENABLED:
-            raise diagnosis.state_error(
-                self._facts, self.number, seen, PdsState.OPERATION_ENABLED, self._core.link.emergencies
-            )
+            raise await self._state_error(seen, PdsState.OPERATION_ENABLED)
 
-    async def _reach(self, holds: Callable[[Seen], bool], wanted: str, timeout: float) -> Seen:
-        """Look at the statusword until something holds. Raises StateError."""
+    async def _reach(
+        self, holds: Callable[[Seen], bool], wanted: str, timeout: float, began: float | None = None
+    ) -> Seen:
+        """Look at the statusword until something holds, at most so long since it began. Raises StateTimeoutError."""
         link = self._core.link
-        until = link.now() + timeout
+        until = (link.now() if began is None else began) + timeout
         while not holds(seen := await self.status()):
             if link.now() >= until:
-                raise diagnosis.state_error(self._facts, self.number, seen, wanted, link.emergencies)
+                raise await self._state_error(seen, wanted, timeout)
             await self._next_look()
         return seen
+
+    async def _state_error(self, seen: Seen, wanted: str, timeout: float | None = None) -> StateError:
+        """Why the axis is not as it should be; what the axis was told is asked for, if it answers."""
+        told: dict[str, int] = {}
+        with suppress(ClientError):
+            for role in diagnosis.TOLD:
+                entry = self._facts.find(role, self._axis)
+                if entry is not None:
+                    told[role] = int(await self._core.last_put(entry))
+        return diagnosis.state_error(
+            self._facts, self.number, seen, wanted, self._core.link.recent_emergencies, told, timeout
+        )
 
     async def _next_look(self) -> None:
         """Wait until it is worth looking at the statusword again."""

@@ -36,6 +36,7 @@ async def prepare(core: Core, axes: Sequence[AsyncAxis], period: float, mode: in
         ):
             await core.access.write(core.facts.entry(role, axis.number), number)
         await axis.set_mode(mode)
+        await axis.resume()
         await axis.require_enabled()
 
 

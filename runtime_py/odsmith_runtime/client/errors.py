@@ -60,12 +60,44 @@ class StateError(ClientError):
     """
 
     def __init__(self, axis: int, state: str, wanted: str, blocked_by: str, next_step: str) -> None:
-        super().__init__(f"axis {axis} is in {state}, not in {wanted}: {blocked_by}. Next step: {next_step}")
+        super().__init__(f"axis {axis} is in {state}, {self._lack(wanted)}: {blocked_by}. Next step: {next_step}")
         self.axis = axis
         self.state = state
         self.wanted = wanted
         self.blocked_by = blocked_by
         self.next_step = next_step
+
+    def _lack(self, wanted: str) -> str:
+        return f"not in {wanted}"
+
+
+class StateTimeoutError(StateError, TimeoutError):
+    """What an axis should do by itself takes longer than the time it was given; it may still come.
+
+    `wanted` is a state, or what else was waited for: standstill, the mode of operation, the set-point acknowledge.
+    `timeout` are the seconds that it was given, `seen` is what was last seen of the axis.
+    """
+
+    def __init__(
+        self,
+        axis: int,
+        state: str,
+        wanted: str,
+        blocked_by: str,
+        next_step: str,
+        *,
+        is_state: bool,
+        timeout: float,
+        seen: str,
+    ) -> None:
+        self._preposition = "not in" if is_state else "without"
+        self.timeout = timeout
+        self.seen = seen
+        super().__init__(axis, state, wanted, blocked_by, f"{next_step} ({seen})")
+        self.next_step = next_step
+
+    def _lack(self, wanted: str) -> str:
+        return f"{self._preposition} {wanted} after {self.timeout:g} s"
 
 
 class MotionError(ClientError):

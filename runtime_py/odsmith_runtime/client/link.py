@@ -58,7 +58,9 @@ class Link:
             raise ValueError(f"a node-ID is 1 to 127, not {node_id}")
         self.leave()
         self.id = node_id
+        self._frames_before = self.frames  # of another node-ID
         self.boot_ups = 0
+        self._before_boot_up = 0  # emergencies
         self.nmt: NmtMaster = NmtMaster(node_id)
         self.nmt.network = self.network
         self.nmt.add_heartbeat_callback(self._on_state)
@@ -74,7 +76,7 @@ class Link:
     @property
     def last_seen(self) -> str:
         """When the node was last heard, for errors."""
-        if not self.frames:
+        if self.frames == self._frames_before:
             return "nothing was ever heard of it"
         return f"it was last heard {self.now() - self._last_frame_at:.1f} s ago"
 
@@ -82,6 +84,11 @@ class Link:
     def emergencies(self) -> list[EmcyError]:
         """All EMCY frames so far, in their order."""
         return self._emcy.log
+
+    @property
+    def recent_emergencies(self) -> list[EmcyError]:
+        """Those since the last boot-up message, which ended all faults."""
+        return self._emcy.log[self._before_boot_up :]
 
     # ---- frames ------------------------------------------------------------------------------------------------------
 
@@ -145,10 +152,15 @@ class Link:
 
     async def wait_for_boot_up(self, before: int, timeout: float) -> None:
         if not await self.wait_until(lambda: self.boot_ups != before, self.now() + timeout):
-            raise NoAnswerError(f"node {self.id} sent no boot-up message within {timeout:g} s")
+            raise NoAnswerError(
+                f"node {self.id} sent no boot-up message within {timeout:g} s; {self.last_seen}. "
+                f"Is it powered, and on this bus and bit rate?"
+            )
 
     def _on_state(self, state: int) -> None:
-        self.boot_ups += state == 0
+        if state == 0:
+            self.boot_ups += 1
+            self._before_boot_up = len(self._emcy.log)
 
 
 def open_network(**bus: Any) -> canopen.Network:

@@ -118,8 +118,8 @@ class VirtualWaiter:
         """Whoever waits looks up by itself."""
 
     async def wait(self, arrived: Callable[[], bool], until: float) -> None:
-        while not arrived() and (left := round((until - self.now()) * 1e6)) > 0:
-            self.network.advance(min(STEP_US, left))
+        while not arrived() and (left := until - self.now()) > 0:
+            self.network.advance(min(STEP_US, max(1, round(left * 1e6))))  # at least 1, or `until` is never reached
             await self._let_others()
 
     def lock(self) -> AbstractAsyncContextManager[object]:

@@ -9,7 +9,7 @@ import pytest
 from tests.unit.runtime_py.client.faces import Bench, did, ready, tune
 
 from odsmith_runtime import OutOfRangeError
-from odsmith_runtime.client import EmergencyError, MotionError, MotionTimeoutError, StateError
+from odsmith_runtime.client import EmergencyError, MotionError, MotionTimeoutError, StateError, StateTimeoutError
 
 
 def test_moves_in_three_units(bench: Bench) -> None:
@@ -83,6 +83,91 @@ def test_halt_and_resume(bench: Bench) -> None:
     bench.play(story)
 
 
+def test_running_takes_a_halt_back(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        await did(axis.run(20_000))
+        await did(axis.halt())
+        assert await did(axis.velocity()) == 0
+        await did(axis.run(30_000, timeout=1))
+        assert await did(axis.velocity()) == 30_000
+        await did(axis.halt())
+        where = await did(axis.position())
+        await did(axis.move_to(where - 100, timeout=1))
+        assert await did(axis.position()) == where - 100
+        assert await did(axis.controlword.read()) == 0x0F
+
+    bench.play(story)
+
+
+def test_a_new_target_replaces_one_that_is_halted(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        await did(axis.move_to(1_000_000, wait=False))
+        bench.network.advance(20_000)
+        await did(axis.halt())
+        where = await did(axis.position())
+        highest = where
+        await did(axis.move_to(0, wait=False))
+        for _ in range(100):
+            bench.network.advance(1000)
+            highest = max(highest, bench.device.shaft(0))
+        assert highest <= where + 1  # it never went on to the old target
+
+    bench.play(story)
+
+
+def test_halting_a_homing_ends_it(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        await did(axis.homing_speeds.fast.write(100_000))
+        await did(axis.homing_acceleration.write(2_000_000))
+        await did(axis.home(17, wait=False))
+        bench.network.advance(100_000)
+        assert await did(axis.velocity()) < 0
+        await did(axis.halt())
+        assert await did(axis.velocity()) == 0
+        assert await did(axis.controlword.read()) == 0x0F
+        await did(axis.resume())  # there is nothing to resume
+        bench.network.advance(100_000)
+        assert await did(axis.velocity()) == 0
+        await did(axis.run(20_000, timeout=1))
+
+    bench.play(story)
+
+
+def test_a_halt_does_not_hold_back_homing_or_a_stream(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        await did(axis.run(20_000))
+        await did(axis.halt())
+        await did(axis.home(35))
+        assert await did(axis.controlword.read()) == 0x0F
+        await did(axis.set_mode("pp"))
+        await did(axis.halt())
+        await did(drive.stream([{0: step} for step in range(5)], period=0.01, axes=[0]))
+        assert await did(axis.position()) == 4
+
+    bench.play(story)
+
+
+def test_a_halt_that_takes_too_long(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        await did(axis.run(100_000))
+        await did(axis.profile_acceleration.write(1000))
+        with pytest.raises(StateTimeoutError) as caught:
+            await did(axis.halt(timeout=0.05))
+        error = caught.value
+        assert (error.wanted, error.timeout) == ("standstill", 0.05)
+        assert "axis 0 is in operation_enabled, without standstill after 0.05 s: bit 14" in str(error)
+        assert "profile_acceleration of axis 0 (6083h)" in error.blocked_by
+        assert "motor_activity" in error.seen
+        await did(axis.quick_stop())
+
+    bench.play(story)
+
+
 def test_home_here_needs_no_power(bench: Bench) -> None:
     async def story(drive: Any) -> None:
         axis = drive.axes[5]
@@ -135,7 +220,11 @@ def test_a_move_needs_power(bench: Bench) -> None:
             await did(drive.axes[2].move_to(5))
         error = caught.value
         assert (error.axis, error.state, error.wanted) == (2, "switch_on_disabled", "operation_enabled")
+        assert error.blocked_by.startswith(
+            "controlword of axis 2 (7040h) is 0000h: it does not say shutdown, bits 1, 2 = 1"
+        )
         assert error.next_step == "shutdown to ready_to_switch_on by enable()"
+        assert not isinstance(error, TimeoutError)
 
     bench.play(story)
 
@@ -159,6 +248,45 @@ def test_a_fault_says_why_and_what_to_do(bench: Bench) -> None:
         assert refused.value.state == "fault"
         assert error.title in refused.value.blocked_by
         assert refused.value.next_step.endswith("reset_fault()")
+
+    bench.play(story)
+
+
+def test_a_fault_without_an_emergency_is_not_the_last_one(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        bench.fault(0, "overtemperature")
+        bench.network.advance(2000)
+        bench.fault(0, "overtemperature", False)
+        bench.network.advance(2000)
+        await did(axis.reset_fault())
+        await did(axis.enable())
+        await did(axis.move_to(1_000_000, wait=False))
+        bench.network.send_message(0x000, bytes([2, 1]))
+        bench.network.advance(200_000)
+        bench.network.send_message(0x000, bytes([1, 1]))
+        with pytest.raises(MotionError, match="a fault that came without an emergency, such as NMT STOPPED") as caught:
+            await did(axis.wait())
+        assert not isinstance(caught.value, EmergencyError)
+        with pytest.raises(StateError, match="came without an emergency"):
+            await did(axis.move_to(0))
+
+    bench.play(story)
+
+
+def test_a_fault_from_before_a_reset_is_forgotten(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = await ready(drive)
+        bench.fault(0, "overtemperature")
+        bench.network.advance(2000)
+        bench.fault(0, "overtemperature", False)
+        await did(drive.reset())
+        await did(axis.enable())
+        bench.network.send_message(0x000, bytes([2, 1]))
+        bench.network.advance(2000)
+        bench.network.send_message(0x000, bytes([1, 1]))
+        with pytest.raises(StateError, match="came without an emergency"):
+            await did(axis.enable())
 
     bench.play(story)
 

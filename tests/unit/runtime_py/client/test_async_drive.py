@@ -253,8 +253,16 @@ def test_a_new_bit_rate(bench: Bench) -> None:
 def test_a_node_that_does_not_come_back(bench: Bench) -> None:
     async def story(drive: Any) -> None:
         bench.network.loses = lambda frame: frame.id == 0x701
-        with pytest.raises(NoAnswerError, match=r"node 1 sent no boot-up message within 0.2 s"):
+        silent = r"node 1 sent no boot-up message within 0.2 s; nothing was ever heard of it"
+        with pytest.raises(NoAnswerError, match=silent):
             await did(drive.reset(timeout=0.2))
+        await did(drive.device_type.read())
+        with pytest.raises(NoAnswerError, match=r"within 0.2 s; it was last heard 0.2 s ago"):
+            await did(drive.reset(timeout=0.2))
+        silent = r"node 9 sent no boot-up message within 0.2 s; nothing was ever heard of it"
+        bench.network.loses = lambda frame: frame.id == 0x709
+        with pytest.raises(NoAnswerError, match=silent):
+            await did(drive.change_node_id(9, timeout=0.2))
 
     bench.play(story)
 

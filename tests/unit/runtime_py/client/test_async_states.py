@@ -8,7 +8,7 @@ import pytest
 from tests.unit.runtime_py.client.faces import Bench, did, ready, tune
 
 from odsmith_runtime import OutOfRangeError
-from odsmith_runtime.client import StateError
+from odsmith_runtime.client import StateError, StateTimeoutError
 from odsmith_runtime.device import Input
 
 
@@ -21,6 +21,39 @@ def test_up_and_down(bench: Bench) -> None:
         assert await did(drive.axes[2].state()) == "switch_on_disabled"
         await did(axis.disable())
         assert await did(axis.state()) == "switch_on_disabled"
+
+    bench.play(story)
+
+
+def test_enabling_that_takes_longer_names_the_delay(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = drive.axes[0]
+        await did(axis.enable_drive_delay_time.write(200))
+        with pytest.raises(StateTimeoutError) as caught:
+            await did(axis.enable(timeout=0.05))
+        error = caught.value
+        assert "axis 0 is in switched_on, not in operation_enabled after 0.05 s" in str(error)
+        assert "enable_drive_delay_time of axis 0 (200Ah) is 200 ms" in error.blocked_by
+        assert "enable()" not in error.next_step
+        assert "statusword 0233h" in error.seen
+        with pytest.raises(StateError) as refused:
+            await did(axis.move_to(1))
+        assert refused.value.next_step == "none but to wait: operation_enabled comes of itself"
+        bench.network.advance(200_000)
+        await did(axis.require_enabled())
+
+    bench.play(story)
+
+
+def test_a_mode_that_does_not_come(bench: Bench) -> None:
+    async def story(drive: Any) -> None:
+        axis = drive.axes[0]
+        with pytest.raises(StateTimeoutError) as caught:
+            await did(axis.set_mode("pv", timeout=0))  # it comes with the next tick
+        assert caught.value.blocked_by == (
+            "modes_of_operation_display of axis 0 (6061h) is 0, while modes_of_operation of axis 0 (6060h) is 3"
+        )
+        assert "without the mode of operation after 0 s" in str(caught.value)
 
     bench.play(story)
 

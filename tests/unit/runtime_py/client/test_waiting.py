@@ -6,6 +6,7 @@ import asyncio
 import threading
 
 import pytest
+from tests.unit.runtime_py.client.faces import Bench
 
 from odsmith_runtime.client.waiting import AsyncioWaiter, BlockingWaiter, run
 
@@ -72,3 +73,11 @@ def test_locks_let_one_in() -> None:
 def test_a_blocking_drive_takes_no_coroutine_of_asyncio() -> None:
     with pytest.raises(RuntimeError, match="use the asyncio face"):
         run(asyncio.sleep(0))
+
+
+def test_virtual_time_gets_past_what_is_no_whole_microsecond(blocking: Bench) -> None:
+    waiter = blocking.network.waiter()
+    for fraction in (0.1, 0.4, 0.5, 0.9):
+        until = waiter.now() + fraction / 1e6
+        run(waiter.wait(lambda: False, until))
+        assert waiter.now() >= until
