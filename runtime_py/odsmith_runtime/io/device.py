@@ -213,7 +213,7 @@ class VirtualDevice:
     def lose(self, frames: int) -> None:
         """Let the next frames to or from the device get lost."""
         with self.simulator.lock:
-            self._station.lose = frames
+            self._wire.lose(self._station, frames)
 
     def delay(self, milliseconds: float) -> None:
         """Let its frames be late."""

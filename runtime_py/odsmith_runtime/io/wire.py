@@ -64,6 +64,7 @@ class Wire:
         self._pending: list[_Pending] = []
         self._order = 0
         self._group: Group | None = None
+        self._may_lose = False  # a frame to some device
 
     def attach(self, engine: Engine) -> Station:
         """Connect a device; it has to be given power."""
@@ -116,6 +117,11 @@ class Wire:
         """Tell a device how its CAN controller is."""
         station.engine.report_can(self.now, event)
         self._look_at(station)
+
+    def lose(self, station: Station, frames: int) -> None:
+        """Let the next frames to or from a device get lost."""
+        station.lose = frames
+        self._may_lose = True
 
     # ---- time --------------------------------------------------------------------------------------------------------
 
@@ -185,7 +191,7 @@ class Wire:
     def _deliver(self, frame: Frame, origin: Station | None) -> None:
         if frame.id & EXTENDED:  # no device here listens to those
             return
-        if self._group and not any(station.lose for station in self.stations):
+        if self._group and not self._may_lose:
             if self._group.deliver(self.now, frame, origin.engine if origin else None):
                 self._look_at_senders()
             return
@@ -193,6 +199,7 @@ class Wire:
             if station is not origin and station.engine.is_on and not station.loses():
                 station.engine.receive(self.now, frame)
                 self._look_at(station)
+        self._may_lose = any(station.lose for station in self.stations)
 
     def _look_at_senders(self) -> bool:
         """Let leave what was sent. True if there was something."""

@@ -108,7 +108,7 @@ def test_devices_that_answer_each_other_do_so_in_time(wire: Wire, heard: Heard, 
 def test_frames_get_lost(wire: Wire, heard: Heard, join: Join) -> None:
     station = join(wire, 1)
     heard.frames.clear()
-    station.lose = 3  # a request; then a request that arrives and its answer
+    wire.lose(station, 3)  # a request; then a request that arrives and its answer
     for _ in range(4):
         wire.transmit(read(0x1000), None)
     answers = [frame for _, frame, origin in heard.frames if origin is station]
