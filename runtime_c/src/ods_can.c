@@ -24,7 +24,7 @@ static void enter(ods_node_t *node, ods_can_t state)
     node->work |= ODS_WORK_OUTPUT;
     if (is_off && !was_off) {
         /* Its emergency could not leave: it is raised when the node is back. */
-        ods_emcy_react(node, ODS_CONDITION_BUS_OFF, ODS_ALL_AXES);
+        ods_emcy_react(node, ODS_CONDITION_BUS_OFF);
     }
     if (was_off && !is_off) {
         ods_emcy_raise(node, ODS_CONDITION_BUS_OFF, ODS_ALL_AXES);

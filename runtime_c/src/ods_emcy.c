@@ -96,17 +96,15 @@ static void update_register(ods_node_t *node)
 
 /* ---- conditions -------------------------------------------------------------------------------------------------- */
 
-void ods_emcy_react(ods_node_t *node, ods_condition_t condition, uint8_t axis)
+void ods_emcy_react(ods_node_t *node, ods_condition_t condition)
 {
     for (uint32_t n = 0; n < node->device->emergency_count; n++) {
         const ods_emergency_row_t *const row = &node->device->emergencies[n];
         if ((row->condition != (uint8_t)condition) || (row->reaction == (uint8_t)ODS_REACTION_NONE)) {
             continue;
         }
-        for (uint8_t each = 0; each < node->device->axes; each++) {
-            if ((axis == ODS_ALL_AXES) || (axis == each)) {
-                ods_axis_react(node, each, row->reaction);
-            }
+        for (uint8_t axis = 0; axis < node->device->axes; axis++) {
+            ods_axis_react(node, axis, row->reaction);
         }
     }
     if ((condition == ODS_CONDITION_HEARTBEAT_LOST) || (condition == ODS_CONDITION_BUS_OFF)) {
@@ -143,7 +141,7 @@ void ods_emcy_set(ods_node_t *node, ods_condition_t condition, int holds)
     node->work |= ODS_WORK_OUTPUT;
     if (holds) {
         push_rows(node, condition, ODS_ALL_AXES);
-        ods_emcy_react(node, condition, ODS_ALL_AXES);
+        ods_emcy_react(node, condition);
     } else if ((register_of(node, before) != 0u) && (register_of(node, node->emcy.conditions) == 0u)) {
         push_cleared(node);
     }

@@ -39,8 +39,8 @@ void ods_emcy_set_axis(ods_node_t *node, uint8_t axis, uint32_t conditions);
 /* Something happened: raise the rows of a momentary condition. `axis` is ODS_ALL_AXES where it concerns the device. */
 void ods_emcy_raise(ods_node_t *node, ods_condition_t condition, uint8_t axis);
 
-/* Carry out the reactions to a condition without raising it. */
-void ods_emcy_react(ods_node_t *node, ods_condition_t condition, uint8_t axis);
+/* Carry out the reactions to a condition of the whole device without raising it. */
+void ods_emcy_react(ods_node_t *node, ods_condition_t condition);
 
 /* Forget what is queued. */
 void ods_emcy_reset(ods_node_t *node);
