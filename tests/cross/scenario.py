@@ -17,7 +17,7 @@ A line that begins with `>` is sent. What follows is the expected answer: exactl
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -68,6 +68,14 @@ class Scenario:
     def interrupted(self) -> list[str]:
         """Half of the lines, reset node, and all of them again, which no answer is expected to: what did it forget?"""
         return [*self.lines[: len(self.lines) // 2], RESET_NODE, *self.lines]
+
+    def judge(self, answer_to: Callable[[str], tuple[str, ...]]) -> None:
+        """Play it to a testee. AssertionError: an answer is another one than expected."""
+        for step in self.steps:
+            answer = answer_to(step.line)
+            assert step.accepts(answer), "\n".join(
+                [f"{self.path}:{step.number}: > {step.line}", "expected", *step.expected, "answered", *answer]
+            )
 
 
 def all_scenarios() -> list[Scenario]:

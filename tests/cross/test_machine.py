@@ -24,6 +24,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from tests.cross.clocks import CLOCKS
 from tests.cross.events import START, TIME_OUT, Events, Lines, events_of
 from tests.cross.library import CBench, StartC, start_c_fixture  # noqa: F401  (a fixture)
 from tests.cross.testee import Bench
@@ -34,9 +35,6 @@ pytestmark = pytest.mark.slow
 
 EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "25"))
 STEPS = int(os.environ.get("CROSS_STEPS", "40"))
-
-CLOCKS = [0, 0xFFFFFF00, 0xFFFE0000, 0xFFF00000]
-"""At the beginning; it may be about to wrap: at once, or when an axis may have begun to move."""
 
 T = TypeVar("T")
 

@@ -1,6 +1,7 @@
 """SDO dialogues that nobody wrote, PDOs set up in any order and axes driven by anybody among them.
 
-C, Python and the oracle agree on each answer, and on every value in the end.
+C, Python and the oracle, which knows no clock, agree on each answer, and on every value in the end, also if the clock
+wraps in between.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from tests.cross.clocks import CLOCKS
 from tests.cross.events import octets
 from tests.cross.library import StartC, start_c_fixture  # noqa: F401  (a fixture)
 from tests.cross.oracle import PRE_OPERATIONAL, RESET_COMMUNICATION, RESET_NODE, START, STOP, Address, Dialogue, Item
@@ -235,15 +237,15 @@ def test_sdo(name: str, start_c: StartC, start_python: Callable[..., Bench], req
     steps = st.lists(Words(device).step(), min_size=5, max_size=40)
 
     @settings(suppress_health_check=[HealthCheck.too_slow])
-    @given(node_id=st.sampled_from([0, 5, 127]), steps=steps)
-    def agree(node_id: int, steps: list[Step]) -> None:
+    @given(node_id=st.sampled_from([0, 5, 127]), clock=st.sampled_from(CLOCKS), steps=steps)
+    def agree(node_id: int, clock: int, steps: list[Step]) -> None:
         dialogue = Dialogue(device, node_id)
         for step in steps:
             step(dialogue)
         dialogue.nmt(PRE_OPERATIONAL)
         dialogue.dump()
         for runtime, start in (("C", start_c), ("Python", start_python)):
-            difference = dialogue.difference(map(start(device, node_id=node_id).answer, dialogue.lines))
+            difference = dialogue.difference(map(start(device, node_id=node_id, time=clock).answer, dialogue.lines))
             assert not difference, f"{runtime}:\n{difference}"
 
     agree()

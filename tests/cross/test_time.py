@@ -9,14 +9,13 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.cross import events
+from tests.cross.clocks import PLAIN, WRAPPING
 from tests.cross.library import StartC, start_c_fixture  # noqa: F401  (a fixture)
 from tests.cross.testee import Bench
 
 from odsmith.model import Device
 
 pytestmark = pytest.mark.slow
-
-WRAP = 0xFFFFFF00
 
 Answer = Callable[[str], list[str]]
 
@@ -68,7 +67,7 @@ def test_parts_do_what_the_whole_does(
 ) -> None:
     device: Device = request.getfixturevalue(name)
     node_id = data.draw(st.sampled_from([1, 5]), "node-ID")
-    time = data.draw(st.sampled_from([0, WRAP]), "clock")
+    time = data.draw(st.sampled_from([PLAIN, WRAPPING]), "clock")
     own = events.events_of(device, node_id)
     happening = st.lists(st.one_of(own.lively, _steps), min_size=5, max_size=30)
     departure, groups = data.draw(own.departure, "departure"), data.draw(happening, "events")
@@ -100,7 +99,7 @@ def test_three_ticks_are_three_times_a_tick(
         "FAULT axis0 stall on",
         "RX 705 R",
     ]
-    whole, parted = (begin(device, node_id=5, time=WRAP) for _ in range(2))
+    whole, parted = (begin(device, node_id=5, time=WRAPPING) for _ in range(2))
     for line in lines:
         assert whole(line) == parted(line)
         for _ in range(3):
