@@ -333,7 +333,7 @@ def _require(condition: bool) -> None:
 
 
 def _with_octets(text: str, octets: bytes | bytearray) -> str:
-    return " ".join((text, *(f"{octet:02X}" for octet in octets)))
+    return f"{text} {octets.hex(' ').upper()}" if octets else text
 
 
 def _hex(words: Sequence[str], at: int, min_digits: int, max_digits: int) -> int:
