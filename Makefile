@@ -12,7 +12,7 @@
 # make bench-cross         how much the two runtimes are held to each other, and how fast they answer
 # make mutants             every mutant of the runtimes and their tables has to be caught by what proves them equal
 # make mutants-sample      200 of them, always the same ones
-# make cross-long          C and Python on dialogues at random until CROSS_SECONDS are over; for ever
+# make cross-long          C and Python on dialogues at random until CROSS_SECONDS are over; for ever; counts frames
 # make fuzz, fuzz-short    events at random until FUZZ_SECONDS are over; for ever; 20,000 that are always the same
 
 PYTHON ?= python3
@@ -70,19 +70,23 @@ mutants-sample: $(SET_UP)
 	$(BIN)/python -m tests.mutants --sample 200
 
 CROSS_SECONDS ?= 0
-CROSS_EXAMPLES ?= 200
+CROSS_EXAMPLES ?= 10
 CROSS_STEPS ?= 100
+CROSS_STRETCH ?= 2000
 CROSS_SEED ?= $(shell date +%s)
+CROSS = CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS) CROSS_STRETCH=$(CROSS_STRETCH)
 
-# Each round has a seed of its own; one that fails is named.
+# Each round has a seed of its own; one that fails is named. Frames are those that the device received and sent.
 cross-long: $(SET_UP)
-	@end=$$(($$(date +%s) + $(CROSS_SECONDS))); seed=$(CROSS_SEED); \
+	@export CROSS_COUNT=$$(mktemp); trap 'rm -f $$CROSS_COUNT' EXIT; \
+	end=$$(($$(date +%s) + $(CROSS_SECONDS))); seed=$(CROSS_SEED); \
 	while [ $(CROSS_SECONDS) = 0 ] || [ $$(date +%s) -lt $$end ]; do \
 	    set -- tests/cross/test_machine.py --hypothesis-seed=$$seed; \
-	    echo "CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS) pytest $$*"; \
-	    env -u CI CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS) $(BIN)/pytest -q -n auto "$$@" || \
-	        { echo "again: make cross-long CROSS_SEED=$$seed CROSS_EXAMPLES=$(CROSS_EXAMPLES) CROSS_STEPS=$(CROSS_STEPS)"; \
-	          exit 1; }; \
+	    echo "$(CROSS) pytest $$*"; \
+	    env -u CI $(CROSS) $(BIN)/pytest -q -n auto "$$@" || \
+	        { echo "seed $$seed: a difference; again: make cross-long CROSS_SEED=$$seed $(CROSS)"; exit 1; }; \
+	    echo "seed $$seed: $$($(BIN)/python -m tests.cross.count $$CROSS_COUNT) compared since the beginning," \
+	        "no difference"; \
 	    seed=$$((seed + 1)); \
 	done
 

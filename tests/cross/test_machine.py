@@ -1,15 +1,18 @@
 """A state machine over both devices: hypothesis chooses what happens, and after each line they have told the same.
 
-`make cross-long` runs it for hours; the environment says how much it tries:
+`make cross-long` runs it for hours; the environment says how much it tries, and where it leaves the figures:
 
     CROSS_EXAMPLES  dialogues of each device
     CROSS_STEPS     events in one, at most
+    CROSS_STRETCH   milliseconds in a stretch of plain traffic, at most; an event among the others
+    CROSS_COUNT     a file to which each device adds what it compared (count.py)
 """
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from pathlib import Path
 from random import Random
 from typing import TypeVar
 
@@ -25,8 +28,10 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 from tests.cross.clocks import CLOCKS
+from tests.cross.count import Count
 from tests.cross.events import START, TIME_OUT, Events, Lines, events_of
 from tests.cross.library import CBench, StartC, start_c_fixture  # noqa: F401  (a fixture)
+from tests.cross.stretch import Stretch
 from tests.cross.testee import Bench
 
 from odsmith.model import Device
@@ -35,6 +40,8 @@ pytestmark = pytest.mark.slow
 
 EXAMPLES = int(os.environ.get("CROSS_EXAMPLES", "25"))
 STEPS = int(os.environ.get("CROSS_STEPS", "40"))
+STRETCH = int(os.environ.get("CROSS_STRETCH", "40"))
+COUNT = os.environ.get("CROSS_COUNT", "")
 
 T = TypeVar("T")
 
@@ -60,6 +67,7 @@ class Twins(RuleBasedStateMachine):
     """One device in C and in Python; subclasses name it."""
 
     device: Device
+    count: Count
     start_c: StartC
     start_python: Callable[..., Bench]
 
@@ -182,6 +190,17 @@ class Twins(RuleBasedStateMachine):
         self.line(f"T {ms * 1000}")
 
     @precondition(lambda self: self.powered)
+    @rule(ms=st.integers(1, STRETCH), seed=st.integers(0, 0xFFFFFFFF))
+    def stretch(self, ms: int, seed: int) -> None:
+        """Plain traffic, which is not drawn by hypothesis: many frames in little time."""
+        traffic = Stretch(self.device, self.node_id, Random(seed))
+        for line in traffic.begin():
+            self.line(line)
+        for _ in range(ms):
+            for line in traffic.step():
+                self.line(line)
+
+    @precondition(lambda self: self.powered)
     @rule(cut=drawn(lambda events: events.cut), lines=drawn(lambda events: events.store), now=st.booleans())
     def lose_power(self, cut: Lines, lines: Lines, now: bool) -> None:
         """At the k-th octet that is written; what happens after that happens to nobody."""
@@ -224,6 +243,7 @@ class Twins(RuleBasedStateMachine):
         c, python = self.c.answer(line), self.python.answer(line)
         assert c == python, "\n".join([*self.told, *_differing(c, python)])
         self.agree = True
+        self.count.add(line, c)
         return c
 
     def teardown(self) -> None:
@@ -243,12 +263,20 @@ def _differing(c: list[str], python: list[str]) -> list[str]:
 def test_twins(name: str, start_c: StartC, start_python: Callable[..., Bench], request: pytest.FixtureRequest) -> None:
     class Twin(Twins):
         device = request.getfixturevalue(name)
+        count = Count()
 
     Twin.start_c = staticmethod(start_c)
     Twin.start_python = staticmethod(start_python)
-    run_state_machine_as_test(
-        Twin,
-        settings=settings(
-            max_examples=EXAMPLES, stateful_step_count=STEPS, suppress_health_check=list(HealthCheck), print_blob=True
-        ),
-    )
+    try:
+        run_state_machine_as_test(
+            Twin,
+            settings=settings(
+                max_examples=EXAMPLES,
+                stateful_step_count=STEPS,
+                suppress_health_check=list(HealthCheck),
+                print_blob=True,
+            ),
+        )
+    finally:
+        if COUNT:
+            Twin.count.append_to(Path(COUNT))
