@@ -102,11 +102,11 @@ engine: $(SET_UP)
 	$(BIN)/odsmith engine tmcm3230 tmcm6212
 
 pictures: $(SET_UP)
-	$(BIN)/python docs/motion/draw.py
+	$(BIN)/python site/motion/draw.py
 	$(BIN)/pytest -q tests/unit/test_examples.py -k picture --accept
 
 api-docs: $(SET_UP)
-	$(BIN)/python -W error docs/api.py build/api
+	$(BIN)/python -W error site/api.py build/api
 
 clean:
 	rm -rf $(VENV) build dist *.egg-info .mypy_cache .pytest_cache .ruff_cache .hypothesis

@@ -31,7 +31,7 @@ class Member(NamedTuple):
 def packages(root: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[str, ...]:
     """The packages that have pages; they can be imported."""
     monkeypatch.setattr(sys, "path", list(sys.path))
-    packages: tuple[str, ...] = runpy.run_path(str(root / "docs" / "api.py"))["PACKAGES"]
+    packages: tuple[str, ...] = runpy.run_path(str(root / "site" / "api.py"))["PACKAGES"]
     return packages
 
 
@@ -104,7 +104,7 @@ def test_every_error_of_the_client_is_named_where_it_is_raised() -> None:
 
 @pytest.mark.slow
 def test_the_pages_show_it_all(packages: tuple[str, ...], root: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-W", "error", str(root / "docs" / "api.py"), str(tmp_path)]
+    command = [sys.executable, "-W", "error", str(root / "site" / "api.py"), str(tmp_path)]
     made = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (made.returncode, made.stderr) == (0, "")
     anchors: dict[str, set[str]] = {}
