@@ -4,6 +4,8 @@
         testee.power()
         assert testee.sdo_read(0x1000, 0) == bytes.fromhex("9201FCFF")
 
+    InProcess(bench.answer)  # the same with one that runs in this process
+
 Time is virtual: it passes only in `advance`, in microseconds. Instants count from the start of the program, whatever
 its clock says.
 """
@@ -15,7 +17,7 @@ import select
 import subprocess
 import tempfile
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import TracebackType
@@ -105,69 +107,29 @@ class Answer:
         return [frame.data for frame in self.frames if frame.id == can_id]
 
 
-class Testee:
-    """A running testee.
+class Driver:
+    """What can be done with any testee.
 
     `now` is in microseconds since the start, `last` the last answer, `node_id` the one under which the device joined
     the bus, `abort_codes` all that it has given so far.
     """
 
-    __test__ = False
-
-    def __init__(self, command: Sequence[str], *, node_id: int = 0, serial: int = 0, time: int = 0) -> None:
+    def __init__(self, node_id: int = 0) -> None:
         self.node_id = node_id or 1
         self.now = 0
         self.last = Answer(0, ("NEXT -",))
         self.abort_codes: set[int] = set()
         self._dialogue: deque[str] = deque(maxlen=40)
-        self._pending = b""
-        self._errors = tempfile.TemporaryFile()  # noqa: SIM115  (closed with the testee)
-        options = ["--node-id", str(node_id), "--serial", str(serial), "--time", f"{time:X}"]
-        self._process = subprocess.Popen(
-            [*command, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, bufsize=0
-        )
 
-    def __enter__(self) -> Testee:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """End the program; sanitizers may complain only now."""
-        if self._errors.closed:
-            return
-        assert self._process.stdin
-        assert self._process.stdout
-        self._process.stdin.close()
-        try:
-            status = self._process.wait(PATIENCE)
-        except subprocess.TimeoutExpired:
-            self._process.kill()
-            status = self._process.wait()
-        self._process.stdout.close()
-        errors = self._complaints()
-        self._errors.close()
-        if status:
-            raise TesteeError(self._report(f"the testee ended with status {status}", errors))
-
-    # ---- lines -------------------------------------------------------------------------------------------------------
+    def _ask(self, text: str) -> list[str]:
+        """The answer to a line."""
+        raise NotImplementedError
 
     def line(self, text: str) -> Answer:
         """Send a line and read its answer, a refusal included."""
-        assert self._process.stdin
         self._dialogue.append(f"> {text}")
-        try:
-            self._process.stdin.write(f"{text}\n".encode())
-        except BrokenPipeError:
-            self._fail("the testee died")
-        lines: list[str] = []
-        while not lines or not lines[-1].startswith(("NEXT ", "NACK ")):
-            lines.append(self._read_line())
-            self._dialogue.append(lines[-1])
-        self.last = Answer(self.now, tuple(lines))
+        self.last = Answer(self.now, tuple(self._ask(text)))
+        self._dialogue.extend(self.last.lines)
         for _, event in self.last.events:
             if event.startswith("BUS "):
                 self.node_id = int(event.split(" ")[2])
@@ -182,27 +144,6 @@ class Testee:
         if answer.nack:
             raise TesteeError(self._report(f"refused: {answer.nack}", ""))
         return answer
-
-    def _read_line(self) -> str:
-        assert self._process.stdout
-        while b"\n" not in self._pending:
-            if not select.select([self._process.stdout], [], [], PATIENCE)[0]:
-                self._process.kill()
-                self._fail(f"the testee has not answered for {PATIENCE} s")
-            octets = os.read(self._process.stdout.fileno(), 1 << 16)
-            if not octets:
-                self._fail("the testee died")
-            self._pending += octets
-        line, _, self._pending = self._pending.partition(b"\n")
-        return line.decode("ascii")
-
-    def _fail(self, what: str) -> None:
-        self._process.wait(PATIENCE)
-        raise TesteeError(self._report(f"{what}, status {self._process.returncode}", self._complaints()))
-
-    def _complaints(self) -> str:
-        self._errors.seek(0)
-        return self._errors.read().decode(errors="replace")[:6000]
 
     def _report(self, what: str, errors: str) -> str:
         return "\n".join([what, errors, "the dialogue ended with", *self._dialogue])
@@ -341,6 +282,90 @@ class Testee:
     def set_image(self, address: int, octets: bytes) -> None:
         for offset in range(0, len(octets), 32):
             self.do(f"NVM set {address + offset:X} {octets[offset : offset + 32].hex(' ')}")
+
+
+class InProcess(Driver):
+    """A testee that runs in this process."""
+
+    def __init__(self, answer: Callable[[str], list[str]], *, node_id: int = 0) -> None:
+        super().__init__(node_id)
+        self._ask_it = answer
+
+    def _ask(self, text: str) -> list[str]:
+        return self._ask_it(text)
+
+
+class Testee(Driver):
+    """A program that is a testee, running."""
+
+    __test__ = False
+
+    def __init__(self, command: Sequence[str], *, node_id: int = 0, serial: int = 0, time: int = 0) -> None:
+        super().__init__(node_id)
+        self._pending = b""
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115  (closed with the testee)
+        options = ["--node-id", str(node_id), "--serial", str(serial), "--time", f"{time:X}"]
+        self._process = subprocess.Popen(
+            [*command, *options], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=self._errors, bufsize=0
+        )
+
+    def __enter__(self) -> Testee:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the program; sanitizers may complain only now."""
+        if self._errors.closed:
+            return
+        assert self._process.stdin
+        assert self._process.stdout
+        self._process.stdin.close()
+        try:
+            status = self._process.wait(PATIENCE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            status = self._process.wait()
+        self._process.stdout.close()
+        errors = self._complaints()
+        self._errors.close()
+        if status:
+            raise TesteeError(self._report(f"the testee ended with status {status}", errors))
+
+    def _ask(self, text: str) -> list[str]:
+        assert self._process.stdin
+        try:
+            self._process.stdin.write(f"{text}\n".encode())
+        except BrokenPipeError:
+            self._fail("the testee died")
+        lines: list[str] = []
+        while not lines or not lines[-1].startswith(("NEXT ", "NACK ")):
+            lines.append(self._read_line())
+        return lines
+
+    def _read_line(self) -> str:
+        assert self._process.stdout
+        while b"\n" not in self._pending:
+            if not select.select([self._process.stdout], [], [], PATIENCE)[0]:
+                self._process.kill()
+                self._fail(f"the testee has not answered for {PATIENCE} s")
+            octets = os.read(self._process.stdout.fileno(), 1 << 16)
+            if not octets:
+                self._fail("the testee died")
+            self._pending += octets
+        line, _, self._pending = self._pending.partition(b"\n")
+        return line.decode("ascii")
+
+    def _fail(self, what: str) -> None:
+        self._process.wait(PATIENCE)
+        raise TesteeError(self._report(f"{what}, status {self._process.returncode}", self._complaints()))
+
+    def _complaints(self) -> str:
+        self._errors.seek(0)
+        return self._errors.read().decode(errors="replace")[:6000]
 
 
 def _address(index: int, sub: int) -> list[int]:

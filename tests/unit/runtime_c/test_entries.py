@@ -1,7 +1,7 @@
 """Every entry of both dictionaries over the bus: read, written inside and beside its limits and with wrong lengths.
 
 What a write does beside keeping the value is named by its effect. Each effect has a case of its own, found by its name,
-here or, if it is one of an axis, in `test_axis_effects.py`.
+here or, if it is one of an axis, in `tests/cross/test_axis_effects.py`.
 """
 
 from __future__ import annotations
@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
+from tests.cross import test_axis_effects
 from tests.cross.driver import Testee
 from tests.cross.expected import code, encode, entries, places, power_on_value, role, size, writable
-from tests.unit.runtime_c import test_axis_effects
 
 from odsmith.model import Device, Entry
 
