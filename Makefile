@@ -84,7 +84,7 @@ cross-long: $(SET_UP)
 	    set -- tests/cross/test_machine.py --hypothesis-seed=$$seed; \
 	    echo "$(CROSS) pytest $$*"; \
 	    env -u CI $(CROSS) $(BIN)/pytest -q -n auto "$$@" || \
-	        { echo "seed $$seed: a difference; again: make cross-long CROSS_SEED=$$seed $(CROSS)"; exit 1; }; \
+	        { echo "seed $$seed failed; again: make cross-long CROSS_SEED=$$seed $(CROSS)"; exit 1; }; \
 	    echo "seed $$seed: $$($(BIN)/python -m tests.cross.count $$CROSS_COUNT) compared since the beginning," \
 	        "no difference"; \
 	    seed=$$((seed + 1)); \

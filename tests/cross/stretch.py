@@ -51,6 +51,7 @@ class Stretch:
         self.node_id = node_id
         self.random = random
         self.items = list(expected.entries(device))
+        self.writable = [item for item in expected.writable(device) if item.index >= 0x2000]
         self.places = {(item.axis, item.entry.role): item for item in self.items if item.entry.role}
         self.methods = [method.method for method in device.homing_methods] or [0]
         self.received: list[tuple[int, list[ExpandedEntry]]] = []  # CAN-ID and mapping of the RPDOs
@@ -90,8 +91,7 @@ class Stretch:
             case 4 | 5 | 6:
                 return self._put(axis, "controlword", random.choice(WORDS))
             case 7:
-                role = random.choice([role for owner, role in self.places if owner == axis])
-                return self._write(self.places[axis, role])
+                return self._write(random.choice([item for item in self.writable if item.axis == axis]))
             case _:
                 role = random.choice(("target_position", "target_velocity"))
                 return [
@@ -168,8 +168,12 @@ class Stretch:
         def mappable(entry: Entry, sent: bool) -> bool:
             return entry.mapping.transmittable if sent else entry.mapping.receivable
 
+        # A COB-ID that is a mere value configures nothing; what the runtimes make of one that changes is not settled.
+        settable = {item.index for item in self.items if item.entry.effect == "pdo_cob_id"}
         found = []
         for obj in self.device.expanded:
+            if obj.index not in settable:
+                continue
             if 0x1400 <= obj.index < 0x1600 or 0x1800 <= obj.index < 0x1A00:
                 items = [item for item in self.items if mappable(item.entry, obj.index >= 0x1800)]
                 moving = [item for item in items if item.entry.role]
