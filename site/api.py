@@ -1,6 +1,6 @@
 """Makes HTML pages of the Python API from its docstrings, with pdoc: what a program imports, and nothing behind it.
 
-python docs/api.py DIRECTORY
+python site/api.py DIRECTORY
 """
 
 from __future__ import annotations

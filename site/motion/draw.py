@@ -1,6 +1,6 @@
 """Draws the pictures of this folder: what an axis of the TMCM-6212 really did, recorded from the device in Python.
 
-    python docs/motion/draw.py [DIRECTORY]
+    python site/motion/draw.py [DIRECTORY]
 
 A drawing is a number of objects to write, a simulated hardware, and the lines to mark; nothing in it is drawn by hand.
 """

@@ -29,9 +29,9 @@ class AsyncAxis(AsyncStates):
 
     Positions are in microsteps and velocities in pps unless a unit is named; every wait has a time-out, in seconds.
 
-    Methods raise StateError where the state forbids them or is not reached, MotionError (or EmergencyError, with cause
-    and remedy) where a movement ends otherwise than it should, MotionTimeoutError where it takes too long; and whatever
-    access raises: SdoAborted, NoAnswerError, RefusedError.
+    Methods raise StateError where the state forbids them, StateTimeoutError where another is not reached in time,
+    MotionError (or EmergencyError, with cause and remedy) where a movement ends otherwise than it should,
+    MotionTimeoutError where it takes too long; and whatever access raises: SdoAborted, NoAnswerError, RefusedError.
     """
 
     # ---- moving ------------------------------------------------------------------------------------------------------
