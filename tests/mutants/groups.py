@@ -7,7 +7,6 @@ before, row by row, which takes milliseconds.
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -30,14 +29,26 @@ from odsmith.vocabulary import Vocabulary
 WITH_TABLES = ("tmcm3230", "tmcm6212")
 """Devices whose tables have mutants; those of the others come from the same templates."""
 
-COVERS = 3
-"""So many rounds of a few talks, before the round of all others."""
-
 ENOUGH = 400
-"""Talks of the last round that come past a mutant in Python, which is slow: quick ones go first."""
+"""Talks that come past a mutant in Python, which is slow, beside those of its topic: quick ones go first."""
 
 TOO_LONG = 0.1
 """Seconds that a talk takes in C, from which on it takes too long in Python."""
+
+TOPICS = {
+    "access": {"write", "sdo"},
+    "axis": {"fsa", "mode", "emergency", "stall", "encoder", "driver"},
+    "cyclic": {"csp", "csv"},
+    "heartbeat": {"heartbeat", "guarding"},
+    "mode": {"pp", "pv", "csp", "csv", "mode"},
+    "motion": {"ramp", "encoder"},
+    "motor": {"driver", "brake", "stall"},
+    "node": {"time", "nmt"},
+    "od": {"write", "nmt", "store"},
+    "pdo": {"pdo", "sync", "time"},
+    "simulation": {"driver", "limits", "homing", "stall"},
+}
+"""Folders of scenarios that are about a module, where they do not have its name."""
 
 ADDRESSES = "addresses"
 """The one comparison that is not quick: all 2^24 addresses are asked."""
@@ -128,11 +139,9 @@ def all_groups(runtime: ChangedRuntime, folder: Path, jobs: int) -> list[Group]:
         yield _of_code(c, talks, c_listener.listen(talks), len(talks))
 
     def of_python_code() -> Iterator[Judges]:
-        """Nobody knows yet which talks come past a mutant here, but in C it is much the same."""
-        talks = all_of_them()
-        in_c = c_listener.listen(talks)
-        for part in _rounds([talk for talk in talks if in_c[talk.name].seconds < TOO_LONG], in_c):
-            yield _of_code(python, part, python_listener.listen(part), ENOUGH)
+        in_c = c_listener.listen(all_of_them())
+        talks = [talk for talk in all_of_them() if in_c[talk.name].seconds < TOO_LONG]
+        yield _of_code(python, talks, python_listener.listen(talks), ENOUGH)
 
     def of_c_tables() -> Iterator[Judges]:
         yield from _of_tables(jobs, {name: c.comparisons(devices[name], vocabulary) for name in WITH_TABLES})
@@ -152,40 +161,19 @@ def all_groups(runtime: ChangedRuntime, folder: Path, jobs: int) -> list[Group]:
 
 
 def _of_code(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, Reference], most: int) -> Judges:
-    """Talks that come past the place of the mutant."""
+    """Talks that come past the place of the mutant: those of its topic, then the quick ones."""
     by_time = sorted(talks, key=lambda talk: references[talk.name].seconds)
 
     def judges(mutant: Mutant) -> Iterator[Judge]:
-        passing = (talk for talk in by_time if references[talk.name].passed >> mutant.number & 1)
-        for talk in itertools.islice(passing, most):
+        module = mutant.where.partition(".")[0].removeprefix("ods_")
+        topics = TOPICS.get(module, {module})
+        passing = [talk for talk in by_time if references[talk.name].passed >> mutant.number & 1]
+        first = [talk for talk in passing if talk.name.partition("/")[0] in topics]
+        others = [talk for talk in passing[:most] if talk not in first]
+        for talk in (*first, *others):
             yield _judge_of_talk(runtime, talk, references[talk.name])
 
     return judges
-
-
-def _rounds(talks: Sequence[Talk], references: Mapping[str, Reference]) -> Iterator[list[Talk]]:
-    """The talks in parts, of which the first ones pass in little time all that can be passed."""
-    left = list(talks)
-    for _ in range(COVERS):
-        part = _cover(left, references)
-        left = [talk for talk in left if talk not in part]
-        yield part
-    yield left
-
-
-def _cover(talks: Sequence[Talk], references: Mapping[str, Reference]) -> list[Talk]:
-    """Some talks that pass all that these pass: in each step the one that adds most for its time."""
-    found: list[Talk] = []
-    passed = 0
-
-    def gain(talk: Talk) -> float:
-        reference = references[talk.name]
-        return (reference.passed & ~passed).bit_count() / reference.seconds
-
-    while best := max((talk for talk in talks if gain(talk)), key=gain, default=None):
-        found.append(best)
-        passed |= references[best.name].passed
-    return found
 
 
 def _judge_of_talk(runtime: Runtime, talk: Talk, reference: Reference) -> Judge:

@@ -66,12 +66,12 @@ class Group:
     _caught_by: dict[str, list[str]] = field(default_factory=lambda: defaultdict(list))
 
     def judge(self, mutant: Mutant, who: Judges) -> Verdict:
-        """Wake a mutant and ask who caught its neighbours, then the others, quick ones first. There is no way back."""
+        """Wake a mutant and ask who caught its neighbours, then the others in their order. There is no way back."""
         judges = {judge.name: judge for judge in who(mutant)}
         near, alike = self._caught_by[mutant.where], self._caught_by[mutant.kind]
         recent = [name for name in (*near[: -RECENT - 1 : -1], *alike[: -RECENT - 1 : -1]) if name in judges]
         self.wake(mutant.number)
-        for name in dict.fromkeys([*recent, *sorted(judges, key=lambda name: judges[name].seconds)]):
+        for name in dict.fromkeys([*recent, *judges]):
             _allow(LEAST_PATIENCE + PATIENCE * judges[name].seconds)
             try:
                 how = judges[name].objects()
