@@ -231,6 +231,7 @@ rule("E423", "error", "one choice, two NMT states", "A choice of error behaviour
 rule(
     "E424", "error", "value that no driver takes", "A motor driver is told a 32 bit number and the index of its object."
 )
+rule("E425", "error", "role without its effect", "Writing a parameter of a PDO has to configure the PDO.")
 rule("E431", "error", "PDO over 64 bits", "A CAN frame carries 8 bytes.")
 rule("E432", "error", "PDO with too many entries", "The device maps fewer entries per PDO.")
 rule("E433", "error", "mapping of what is not mappable", "The PDO could never carry this object.")

@@ -82,6 +82,7 @@ class Role:
 
     An entry with a role lives in that field. An entry without one is storage of the device alone, or a constant.
     `count` > 1 makes the field an array, whose elements the entries of a repeated sub-index fill in order.
+    `effect` is the one that every writable entry with the role has; empty where any will do.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Role:
     text: str
     count: int = 1
     length: int = 0
+    effect: str = ""
     place: Place = field(default=NOWHERE, compare=False, repr=False)
 
 

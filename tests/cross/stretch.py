@@ -168,12 +168,8 @@ class Stretch:
         def mappable(entry: Entry, sent: bool) -> bool:
             return entry.mapping.transmittable if sent else entry.mapping.receivable
 
-        # A COB-ID that is a mere value configures nothing; what the runtimes make of one that changes is not settled.
-        settable = {item.index for item in self.items if item.entry.effect == "pdo_cob_id"}
         found = []
         for obj in self.device.expanded:
-            if obj.index not in settable:
-                continue
             if 0x1400 <= obj.index < 0x1600 or 0x1800 <= obj.index < 0x1A00:
                 items = [item for item in self.items if mappable(item.entry, obj.index >= 0x1800)]
                 moving = [item for item in items if item.entry.role]

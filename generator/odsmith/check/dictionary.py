@@ -206,6 +206,9 @@ class _EntryCheck:
         scope = "pdo" if self.obj.pdo else "axis" if self.obj.per_axis else "device"
         if role.scope != scope and (has_axes or "pdo" in (role.scope, scope)):
             yield self.finding("E418", "role", f"the role `{role.name}` is one of each {role.scope}, {name} is not")
+        elif role.effect and entry.effect not in ("", role.effect):
+            message = f"the role `{role.name}` needs the effect `{role.effect}`, {name} has `{entry.effect}`"
+            yield self.finding("E425", "effect", message, f"make it `effect: {role.effect}`")
         if role.type is not entry.type:
             yield self.finding("E419", "role", f"the role `{role.name}` is {role.type}, {name} is {entry.type}")
         if role.type.string and entry.length > role.length:

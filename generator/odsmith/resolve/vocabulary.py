@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from odsmith.canopen_types import DataType
@@ -29,14 +30,13 @@ from odsmith.vocabulary import (
 
 def resolve_vocabulary(spec: Node, problems: Problems) -> dict[str, Any]:
     """The fields of `Vocabulary`, but for the digest."""
+    effects = {
+        name: Effect(name, node["text"], node.get("title", ""), node.get("to_driver", False), sources(node), node.where)
+        for name, node in section(spec, "effects").items()
+    }
     fields: dict[str, Any] = {
-        "roles": {name: _role(name, node) for name, node in section(spec, "roles").items()},
-        "effects": {
-            name: Effect(
-                name, node["text"], node.get("title", ""), node.get("to_driver", False), sources(node), node.where
-            )
-            for name, node in section(spec, "effects").items()
-        },
+        "roles": {name: _role(name, node, effects, problems) for name, node in section(spec, "roles").items()},
+        "effects": effects,
         "conditions": {
             name: Condition(name, node["scope"], node["text"], node.where)
             for name, node in section(spec, "conditions").items()
@@ -82,7 +82,10 @@ def named(nodes: Node) -> dict[str, Named]:
     }
 
 
-def _role(name: str, node: Node) -> Role:
+def _role(name: str, node: Node, effects: Mapping[str, Effect], problems: Problems) -> Role:
+    effect = node.get("effect", "")
+    if effect:
+        problems.look_up(effects, effect, node.place("effect"), "effect")
     return Role(
         name,
         node["scope"],
@@ -90,6 +93,7 @@ def _role(name: str, node: Node) -> Role:
         node["text"],
         node.get("count", 1),
         node.get("length", 0),
+        effect,
         node.where,
     )
 

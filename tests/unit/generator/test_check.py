@@ -208,7 +208,7 @@ def test_a_role_is_taken_once(findings_of: FindingsOf) -> None:
     assert findings_of("include: [drive.yaml]") == ()
     (found,) = findings_of(
         "change: {objects: {rpdo_communication: {subs: {'5': {name: again, title: Again, type: UNSIGNED8, access: rw,"
-        " stored: never, effect: value, role: pdo_transmission_type, text: Again.}}}}}"
+        " stored: never, effect: pdo_parameter, role: pdo_transmission_type, text: Again.}}}}}"
     )
     assert found.rule == "E421"
     assert found.notes[0][1] == "taken here first"

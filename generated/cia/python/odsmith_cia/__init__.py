@@ -6,7 +6,7 @@ Codes and words that every device and the runtimes share.
 
 from odsmith_runtime import load_on_use
 
-__spec_digest__ = "92f44e46f7ff275e"
+__spec_digest__ = "345910b012ccb7de"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

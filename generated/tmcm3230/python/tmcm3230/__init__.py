@@ -9,7 +9,7 @@ module adds eight general purpose inputs, eight general purpose outputs and an a
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "dcf41bc6ef3e0505"
+__spec_digest__ = "66212659411e5e97"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

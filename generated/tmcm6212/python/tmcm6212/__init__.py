@@ -10,7 +10,7 @@ chopper.
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "69c7de6ce231e853"
+__spec_digest__ = "b396c526f48cdd6d"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -63,14 +63,14 @@ static const ods_od_entry_t entries[] = {
     { AT_AXIS(target_position), ODS_I32 | ODS_READ | ODS_RX, 3 },
     /* 1400h RPDO n communication parameter */
     { 2, ODS_U8 | ODS_READ | ODS_CONST, 0 }, /* :00 highest_sub_index */
-    { AT_PDO(common.pdo_cob_id), ODS_U32 | ODS_READ, 3 }, /* :01 cob_id */
-    { AT_PDO(common.pdo_transmission_type), ODS_U8 | ODS_READ, 3 }, /* :02 transmission_type */
+    { AT_PDO(common.pdo_cob_id), ODS_U32 | ODS_READ, 4 }, /* :01 cob_id */
+    { AT_PDO(common.pdo_transmission_type), ODS_U8 | ODS_READ, 5 }, /* :02 transmission_type */
     /* 1600h RPDO n mapping parameter */
-    { AT_PDO(common.pdo_mapped_count), ODS_U8 | ODS_READ, 4 }, /* :00 count */
-    { AT_PDO(pdo_mapping[0]), ODS_U32 | ODS_READ, 3 }, /* :01 mapping_1 */
-    { AT_PDO(pdo_mapping[1]), ODS_U32 | ODS_READ, 3 }, /* :02 mapping_2 */
-    { AT_PDO(pdo_mapping[2]), ODS_U32 | ODS_READ, 3 }, /* :03 mapping_3 */
-    { AT_PDO(pdo_mapping[3]), ODS_U32 | ODS_READ, 3 }, /* :04 mapping_4 */
+    { AT_PDO(common.pdo_mapped_count), ODS_U8 | ODS_READ, 6 }, /* :00 count */
+    { AT_PDO(pdo_mapping[0]), ODS_U32 | ODS_READ, 7 }, /* :01 mapping_1 */
+    { AT_PDO(pdo_mapping[1]), ODS_U32 | ODS_READ, 7 }, /* :02 mapping_2 */
+    { AT_PDO(pdo_mapping[2]), ODS_U32 | ODS_READ, 7 }, /* :03 mapping_3 */
+    { AT_PDO(pdo_mapping[3]), ODS_U32 | ODS_READ, 7 }, /* :04 mapping_4 */
 };
 
 static const uint16_t bases[] = {
@@ -99,12 +99,21 @@ static const ods_od_rule_t rules[] = {
     /* 6060h:00 */
     { 1, 2, ODS_OD_LISTED,
       0, 0, ODS_EFFECT_VALUE },
-    /* 607Ah:00, 1400h:01, 1400h:02 and 4 more */
+    /* 607Ah:00 */
     { 0, 0, 0,
       0, 0, ODS_EFFECT_VALUE },
+    /* 1400h:01 */
+    { 0, 0, ODS_OD_GUARDED,
+      0, 0, ODS_EFFECT_PDO_COB_ID },
+    /* 1400h:02 */
+    { 0, 0, 0,
+      0, 0, ODS_EFFECT_PDO_PARAMETER },
     /* 1600h:00 */
-    { 3, 1, ODS_OD_RANGE,
-      0, 0, ODS_EFFECT_VALUE },
+    { 3, 1, ODS_OD_RANGE | ODS_OD_GUARDED,
+      0, 0, ODS_EFFECT_PDO_MAPPED_COUNT },
+    /* 1600h:01, 1600h:02, 1600h:03 and 1 more */
+    { 0, 0, ODS_OD_GUARDED,
+      0, 0, ODS_EFFECT_PDO_MAPPING },
 };
 
 static const ods_od_interval_t intervals[] = {

@@ -7,7 +7,7 @@ A drive with two axes.
 from odsmith_runtime import load_on_use
 
 __spec_version__ = "1.0.0"
-__spec_digest__ = "ecc524b4ee2ee938"
+__spec_digest__ = "2dd941ec77e5fffc"
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
