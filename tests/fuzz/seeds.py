@@ -82,6 +82,7 @@ def dialogues(node: int) -> dict[str, Dialogue]:
     return {
         "expedited": Dialogue(node).read(0x1000).read(0x1018, 4).write(0x6040, 0, 6, 2).read(0x6041).read(0x5FFF),
         "upload": Dialogue(node).read(0x1008).segment(b"\x60").segment(b"\x70").segment(b"\x60").read(0x1009),
+        "wrong_toggle": Dialogue(node).read(0x1008).segment(b"\x70").read(0x1009).segment(b"\x60"),
         "octet_by_octet": Dialogue(node)
         .sdo(0x20, 0x607D, 1)
         .segment(b"\x0c\x78")
