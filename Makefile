@@ -13,7 +13,7 @@
 # make mutants             every mutant of the runtimes and their tables has to be caught by what proves them equal
 # make mutants-sample      200 of them, always the same ones
 # make cross-long          C and Python on dialogues at random until CROSS_SECONDS are over; for ever; counts frames
-# make fuzz, fuzz-short    events at random until FUZZ_SECONDS are over; for ever; 20,000 that are always the same
+# make fuzz, fuzz-short    events at random until FUZZ_SECONDS are over; for ever; 12,000 that are always the same
 
 PYTHON ?= python3
 VENV := .venv
@@ -96,7 +96,7 @@ fuzz: $(SET_UP)
 	$(BIN)/python tests/fuzz/fuzz.py --seconds $(FUZZ_SECONDS)
 
 fuzz-short: $(SET_UP)
-	$(BIN)/python tests/fuzz/fuzz.py --seed 1 --runs 20000
+	$(BIN)/python tests/fuzz/fuzz.py --seed 1 --runs 12000
 
 engine: $(SET_UP)
 	$(BIN)/odsmith engine tmcm3230 tmcm6212

@@ -60,7 +60,7 @@ def begin(request: pytest.FixtureRequest, start_c: StartC, start_python: Callabl
 
 
 @pytest.mark.parametrize("name", ["tmcm3230", "tmcm6212"])
-@settings(max_examples=50, suppress_health_check=list(HealthCheck))
+@settings(max_examples=30, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_parts_do_what_the_whole_does(
     name: str, data: st.DataObject, begin: Callable[..., Answer], request: pytest.FixtureRequest

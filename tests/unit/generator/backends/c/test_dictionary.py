@@ -151,7 +151,7 @@ highest_subs = st.integers(0, 15)
 
 
 @pytest.mark.slow
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(st.dictionaries(indices, highest_subs, min_size=1, max_size=40), st.data())
 def test_any_dictionary_without_axes(io_module: Device, objects: dict[int, int], data: st.DataObject) -> None:
     """Sub-indices may be missing, sub-index 0 as well."""
