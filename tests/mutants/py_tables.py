@@ -42,6 +42,9 @@ ENTRY_COLUMNS = ("type", "access", "mapping", "default")
 INHIBIT_TIME, EVENT_TIMER = (3,), (4,)
 """Columns of PDOs."""
 
+NODE_ID = "$NODEID"
+"""The mark of an offset, which is one whatever the mark says."""
+
 Change = Callable[[], None]
 
 
@@ -122,15 +125,18 @@ class PyTables:
         for address, row in dictionary.entry_rows.items():
             self._entry(dictionary.entry_rows, address, row)
         for key, row in dictionary.pdo_rows.items():
-            for place, _ in _leaves(row):
-                if key[0] == "rpdo" and place in (INHIBIT_TIME, EVENT_TIMER):
+            for place, value in _leaves(row):
+                if value == NODE_ID or (key[0] == "rpdo" and place in (INHIBIT_TIME, EVENT_TIMER)):
                     continue  # which no RPDO has
                 self._row("pdos", dictionary.pdo_rows, key, place, f"{key[0]} {key[1]}")
 
     def _entry(self, rows: dict[int, Any], address: int, row: tuple[Any, ...]) -> None:
         label = f"{address >> 8:04X}h:{address & 0xFF:02X}"
+        is_of_pdo = bool(self._package.DICTIONARY.object_rows[address >> 8][6])
         for at, column in enumerate(ENTRY_COLUMNS):
             for place, value in _leaves(row[at], (at,)):
+                if value == NODE_ID or (value is None and is_of_pdo):
+                    continue  # the defaults of PDOs stand in rows of their own
                 others = _WORDS.get(column, {}).get(value, ())
                 self._row(f"entries.{column}", rows, address, place, label, others)
         names = [name for name, _ in row[4:]]

@@ -362,6 +362,7 @@ def test_every_row_of_the_tables(package: Package) -> None:
     ]
     for actual, expected, names in tables:
         assert columns(actual, names) == columns(expected, names)
+    assert module.EMERGENCIES.axis_count == model.axes
     for led, folded in zip(module.LEDS.values(), model.leds, strict=True):
         names = "name title steady phases when priority text"
         assert columns(led.patterns, names) == columns(folded.patterns, names)
