@@ -52,6 +52,7 @@ _FFI.cdef("""
     extern column_t mutant_columns[];
     int dump_od(void);
     int dump_known(const uint16_t *indices, unsigned count);
+    int dump_indices(void);
     int dump_device(void);
     int fflush(void *stream);
     int64_t ods_ramp_slow_down(int64_t velocity, int64_t deceleration);
@@ -123,15 +124,21 @@ class CMutants:
     # ---- comparing ---------------------------------------------------------------------------------------------------
 
     def comparisons(self, device: Device, vocabulary: Vocabulary) -> dict[str, Callable[[], bool]]:
-        """The tests that compare every row with the model; the objects that there are before all 2^24 addresses."""
+        """The tests that compare every row with the model; the objects that there are before all 2^24 addresses.
+
+        Most wrong addresses show in the first sub-indices of some index.
+        """
         tables = list(test_tables._expected_tables(device, vocabulary))
         dictionary = list(test_tables._expected_dictionary(device, vocabulary))
         indices = sorted({item.index for item in device.expanded})
+        subs = ((item.index, found.entry.sub) for item in device.expanded for found in item.entries)
+        first = [f"{index:04X}:{sub}" for index, sub in sorted(subs) if sub < 2]
         library = self._libraries[device.identifier]
         known = partial(library.dump_known, indices, len(indices))
         return {
             "tables": lambda: _printed(library, library.dump_device) == tables,
             "objects": lambda: _printed(library, known) == dictionary,
+            "indices": lambda: _printed(library, library.dump_indices) == first,
             "addresses": lambda: _printed(library, library.dump_od) == dictionary,
         }
 

@@ -1,6 +1,6 @@
 /*
  * The programs that print the tables of a device, as functions: dump_od() asks for all addresses, dump_known() for those
- * of some objects.
+ * of some objects, dump_indices() for the first two sub-indices of every index.
  */
 #define main dump_od
 #include "dump_od.c"
@@ -18,6 +18,19 @@ int dump_known(const uint16_t *indices, unsigned count)
     }
     free(values);
     return wrong;
+}
+
+int dump_indices(void)
+{
+    for (unsigned index = 0; index <= 0xFFFFu; index++) {
+        for (unsigned sub = 0; sub < 2u; sub++) {
+            ods_od_ref_t ref;
+            if (ods_od_find(DEVICE.od, (uint16_t)index, (uint8_t)sub, &ref) == 0u) {
+                printf("%04X:%u\n", index, sub);
+            }
+        }
+    }
+    return 0;
 }
 
 #define main dump_device
