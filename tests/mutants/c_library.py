@@ -131,8 +131,8 @@ class CMutants:
         tables = list(test_tables._expected_tables(device, vocabulary))
         dictionary = list(test_tables._expected_dictionary(device, vocabulary))
         indices = sorted({item.index for item in device.expanded})
-        subs = ((item.index, found.entry.sub) for item in device.expanded for found in item.entries)
-        first = [f"{index:04X}:{sub}" for index, sub in sorted(subs) if sub < 2]
+        subs = {(item.index, found.entry.sub) for item in device.expanded for found in item.entries}
+        first = [f"{index:04X}:{sub} {(index, sub) in subs:d}" for index in indices for sub in range(2)]
         library = self._libraries[device.identifier]
         known = partial(library.dump_known, indices, len(indices))
         return {

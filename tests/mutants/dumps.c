@@ -25,8 +25,9 @@ int dump_indices(void)
     for (unsigned index = 0; index <= 0xFFFFu; index++) {
         for (unsigned sub = 0; sub < 2u; sub++) {
             ods_od_ref_t ref;
-            if (ods_od_find(DEVICE.od, (uint16_t)index, (uint8_t)sub, &ref) == 0u) {
-                printf("%04X:%u\n", index, sub);
+            const uint32_t abort_code = ods_od_find(DEVICE.od, (uint16_t)index, (uint8_t)sub, &ref);
+            if (abort_code != ODS_ABORT_NO_OBJECT) {
+                printf("%04X:%u %u\n", index, sub, abort_code == 0u);
             }
         }
     }
