@@ -149,34 +149,40 @@ static void pdo_defaults(
     }
 }
 
+/* Whether an entry has memory, and where in the struct of its instance. */
+static int has_memory(const ods_od_t *od, const ods_od_entry_t *entry, uint32_t *at)
+{
+    if ((entry->kind == 0u) || ((entry->kind & ODS_CONST) != 0u)) {
+        return 0;
+    }
+    *at = ods_od_is_number(entry->kind) ? entry->at : od->texts[entry->at].at;
+    return 1;
+}
+
 /* Values of the device in 1000h to 1FFFh; what else lies in its struct stays. */
 static void communication_defaults(const ods_od_t *od, uint8_t *values)
 {
+    const uint8_t *const defaults = (const uint8_t *)od->defaults[ODS_SCOPE_DEVICE];
+    uint32_t at;
+
     for (uint32_t n = 0; n < od->communication_entries; n++) {
-        const ods_od_entry_t *const entry = &od->entries[n];
-        const int is_text = !ods_od_is_number(entry->kind);
-        if ((entry->kind == 0u) || ((entry->kind & ODS_CONST) != 0u)) {
-            continue;
+        if (has_memory(od, &od->entries[n], &at)) {
+            memcpy(values + od->bases[0] + at, defaults + at, ods_od_room(od, &od->entries[n]));
         }
-        if (is_text && (od->texts[entry->at].octets != NULL)) {
-            continue;
-        }
-        const uint32_t at = is_text ? od->texts[entry->at].at : entry->at;
-        memcpy(
-            values + od->bases[0] + at, (const uint8_t *)od->defaults[ODS_SCOPE_DEVICE] + at, ods_od_room(od, entry));
     }
 }
 
 /* Whether an offset into the block is that of a value that ods_od_defaults() has just set. */
-static int is_communication(const ods_od_t *od, uint32_t at)
+static int is_communication(const ods_od_t *od, uint32_t offset)
 {
+    uint32_t at;
+
     if ((od->scope_instances[ODS_SCOPE_RPDO] < od->scope_instances[ODS_SCOPES]) &&
-        (at >= od->bases[od->scope_instances[ODS_SCOPE_RPDO]])) {
+        (offset >= od->bases[od->scope_instances[ODS_SCOPE_RPDO]])) {
         return 1;
     }
     for (uint32_t n = 0; n < od->communication_entries; n++) {
-        const ods_od_entry_t *const entry = &od->entries[n];
-        if (((entry->kind & ODS_CONST) == 0u) && (entry->kind != 0u) && (entry->at + od->bases[0] == at)) {
+        if (has_memory(od, &od->entries[n], &at) && (od->bases[0] + at == offset)) {
             return 1;
         }
     }

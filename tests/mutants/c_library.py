@@ -177,7 +177,7 @@ class CMutants:
         home = f"{device}/c"
         defines = [
             *(f'-DDEVICE_HEADER="{device}.h"', f"-DDEVICE_TYPE={device}_t", f"-DDEVICE_INIT={device}_init"),
-            *(f"-DDEVICE={device}_device", f"-DOD={device}_od"),
+            *(f"-DDEVICE={device}_device", f"-DOD={device}_od", f"-DVALUES={device}_values_t"),
             *(f"-DABORT_CODES={device}_abort_codes", f"-DABORT_COUNT={device.upper()}_ABORT_CODES"),
             *(f'-DDEVICE_TABLES="{device}_device.c"', f'-DOD_TABLES="{device}_od.c"'),
         ]

@@ -11,6 +11,7 @@ from tests.mutants.mutant import Catalogue
 TYPE, READ, RX, TX, CONST = 0x0F, 0x10, 0x20, 0x40, 0x80
 U8 = 4
 TEXTS = (1, 2, 3)
+FOLDED = 0x80
 
 BITS = {
     "rules.flags": (0, 1, 2),
@@ -29,6 +30,12 @@ BITS = {
     "pds_commands.edge": range(16),
 }
 """Columns that are made of bits: each one is turned."""
+
+LISTS = {
+    "rules.first": ("rules.intervals", ("intervals.low", "intervals.high")),
+    "leds.first": ("leds.phases", ("led_phases",)),
+}
+"""Columns that say where a list begins: with its length, and the columns that it is in."""
 
 SWITCHES = {"emergencies.momentary", "leds.steady", "pds_states.power"}
 """Columns that are 0 or 1."""
@@ -106,9 +113,33 @@ class CTables:
         """Whether anybody looks at a value: the owner of a page without objects means nothing, for example."""
         if column == "od.owners":
             return self._cell("od.map_of", 0, number) > 0 or self._cell(column, 0, number) > 0
+        if column == "od.map_of":
+            return not self._is_page_of_pdos(number)
+        if column in ("entries.at", "entries.rule"):
+            return self._cell("entries.kind", number) > 0
+        if column == "texts.at":
+            return number not in self._constant_texts()
+        if column == "chunks.entry":
+            return number > 0  # the first one has no objects
         if column.startswith("rules.") and column != "rules.group" and not number:
             return False  # that of entries that cannot be written
-        return column != "rules.first" or self._cell("rules.intervals", number) > 0
+        return column not in LISTS or self._listed(column, number) != self._listed(column, number, later=1)
+
+    def _is_page_of_pdos(self, page: int) -> bool:
+        owner = self._cell("od.owners", 0, page)
+        return owner >= FOLDED and self._cell("folds.each", owner - FOLDED) > 0
+
+    def _constant_texts(self) -> set[int]:
+        kinds = [self._cell("entries.kind", entry) for entry in range(self._columns["entries.kind"].rows)]
+        texts = (entry for entry, kind in enumerate(kinds) if kind & TYPE in TEXTS and kind & CONST)
+        return {self._cell("entries.at", entry) for entry in texts}
+
+    def _listed(self, column: str, number: int, later: int = 0) -> list[tuple[int, ...]]:
+        """What a row leads to, or would lead to so many rows later: equal lists may stand in two places."""
+        count, columns = LISTS[column]
+        first = self._cell(column, number) + later
+        end = min(first + self._cell(count, number), self._columns[columns[0]].rows)
+        return [tuple(self._cell(name, row) for name in columns) for row in range(first, end)]
 
     def _add(self, column: str, label: str, change: Change, how: str) -> None:
         number = self._catalogue.add(f"C tables: {column}", f"{self._device} {label}", f"{how}: {change.value:X}h")
@@ -172,9 +203,9 @@ def _other_kinds(old: int) -> Iterator[tuple[int, str]]:
     yield old ^ READ, "access"
     yield old ^ RX, "mapping"
     yield old ^ TX, "mapping"
-    yield old ^ CONST, "access"
     yield old ^ 1, "type"
-    if old & TYPE not in TEXTS:
+    if old & TYPE not in TEXTS:  # a string is constant or not by its row of texts
+        yield old ^ CONST, "access"
         yield old ^ 0x0C, "type"
 
 

@@ -8,11 +8,12 @@
 
 int dump_known(const uint16_t *indices, unsigned count)
 {
-    int wrong = 0;
+    int wrong;
 
     od = DEVICE.od;
     values = malloc(od->values_size);
     power_on();
+    wrong = compare_tables();
     for (unsigned n = 0; n < count; n++) {
         wrong |= print_object(indices[n]);
     }

@@ -2,7 +2,7 @@
 
 Three judges listen to a talk: what the scenario says that was worked out by hand, or what the oracle works out from the
 specification; and then the other runtime, which has to say the same word for word. Tables are compared with the model
-before, row by row, which takes milliseconds.
+before, row by row, which takes milliseconds; only where the model says nothing, as of places in memory, do talks judge.
 """
 
 from __future__ import annotations
@@ -145,6 +145,7 @@ def all_groups(runtime: ChangedRuntime, folder: Path, jobs: int) -> list[Group]:
 
     def of_c_tables() -> Iterator[Judges]:
         yield from _of_tables(jobs, {name: c.comparisons(devices[name], vocabulary) for name in WITH_TABLES})
+        yield _of_uses(c, all_of_them(), c_listener.listen(all_of_them()))
 
     def of_python_tables() -> Iterator[Judges]:
         yield from _of_tables(jobs, {name: python.comparisons(name) for name in WITH_TABLES})
@@ -172,6 +173,17 @@ def _of_code(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, R
         others = [talk for talk in passing[:most] if talk not in first]
         for talk in (*first, *others):
             yield _judge_of_talk(runtime, talk, references[talk.name])
+
+    return judges
+
+
+def _of_uses(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, Reference]) -> Judges:
+    """All talks with the device of a table, quick ones first."""
+    by_time = sorted(talks, key=lambda talk: references[talk.name].seconds)
+
+    def judges(mutant: Mutant) -> Iterator[Judge]:
+        device = mutant.where.partition(" ")[0]
+        return (_judge_of_talk(runtime, talk, references[talk.name]) for talk in by_time if talk.device == device)
 
     return judges
 

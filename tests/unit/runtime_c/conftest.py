@@ -95,6 +95,7 @@ def run_dump(
                 f"-DNODE={device}_t",
                 f"-DINIT={device}_init",
                 f"-DDEVICE={device}_device",
+                f"-DVALUES={device}_values_t",
                 f"-DABORT_CODES={device}_abort_codes",
                 f"-DABORT_COUNT={device.upper()}_ABORT_CODES",
                 *map(str, ctree.sources(device) if program == "dump_init" else ctree.tables(device)),

@@ -1,5 +1,5 @@
 /*
- * Prints the tables of a device beside its dictionary, a line for each row: the name of the table, then its members.
+ * Prints the tables of a device beside its objects, a line for each row: the name of the table, then its members.
  * Where a row leads to a value of an axis, the index of the object that has it is printed.
  * Compile with -DDEVICE_HEADER='"x_device.h"' -DDEVICE=x_device -DABORT_CODES=x_abort_codes and
  * -DABORT_COUNT=X_ABORT_CODES.
@@ -26,8 +26,11 @@ static void print_drive(const ods_device_t *device)
 {
     for (uint32_t n = 0; n < device->mode_count; n++) {
         const ods_mode_row_t *const row = &device->modes[n];
-        const uint32_t ramp = (row->slow_down_ramp == ODS_NOWHERE) ? 0u : index_of(device, row->slow_down_ramp);
-        printf("mode %d %u %u %u %" PRIu32 "\n", row->code, row->bit, row->control, row->status, ramp);
+        printf("mode %d %u %u %u", row->code, row->bit, row->control, row->status);
+        if (row->slow_down_ramp != ODS_NOWHERE) {
+            printf(" %" PRIu32, index_of(device, row->slow_down_ramp));
+        }
+        printf("\n");
     }
     for (uint32_t n = 0; n < device->pds_state_count; n++) {
         const ods_pds_state_row_t *const row = &device->pds_states[n];
@@ -98,6 +101,14 @@ static void print_device(const ods_device_t *device)
     }
 }
 
+static void print_dictionary(const ods_od_t *od)
+{
+    printf("layout %" PRIu32 "\n", od->layout);
+    for (uint32_t n = 0; n < od->area_count; n++) {
+        printf("area %u %u %u\n", od->areas[n].first, od->areas[n].last, od->areas[n].stride);
+    }
+}
+
 static void print_abort_codes(void)
 {
 #if ABORT_COUNT > 0u
@@ -111,6 +122,7 @@ int main(void)
 {
     print_device(&DEVICE);
     print_drive(&DEVICE);
+    print_dictionary(DEVICE.od);
     print_abort_codes();
     return 0;
 }

@@ -4,7 +4,8 @@
  *     INDEX:SUB type access mapping default intervals flags states group effect instance
  *
  * The values are those after power-on with node-ID 5, in a block that is exactly as large as the tables say, so that a
- * sanitizer sees every access beside it. Compile with -DDEVICE_HEADER='"x_device.h"' -DDEVICE=x_device.
+ * sanitizer sees every access beside it. It fails where tables that lead to entries contradict these.
+ * Compile with -DDEVICE_HEADER='"x_device.h"' -DDEVICE=x_device -DVALUES=x_values_t.
  */
 #include DEVICE_HEADER
 
@@ -162,7 +163,7 @@ static void print_entry(uint32_t index, uint32_t sub, const ods_od_ref_t *ref)
     const int readable = (entry->kind & ODS_READ) != 0u;
 
     printf("%04" PRIX32 ":%02" PRIX32 " %s", index, sub, types[entry->kind & ODS_TYPE_MASK]);
-    printf(" %s", (entry->rule == 0u) ? "ro" : (readable ? "rw" : "wo"));
+    printf(" %s", (entry->rule == 0u) ? (readable ? "ro" : "-") : (readable ? "rw" : "wo"));
     printf(" %s", mappings[(entry->kind >> 5) & 3u]);
     print_value(ref);
     if (entry->rule == 0u) {
@@ -173,6 +174,47 @@ static void print_entry(uint32_t index, uint32_t sub, const ods_od_ref_t *ref)
     }
     printf(" %u\n", ref->instance);
 }
+
+/* ---- what other tables say of entries ---------------------------------------------------------------------------- */
+
+static int is_in_its_scope(const ods_od_ref_t *ref)
+{
+    const uint32_t entry = (uint32_t)(ref->entry - od->entries);
+    uint32_t scope = 0;
+    while (ref->instance >= od->scope_instances[scope + 1u]) {
+        scope++;
+    }
+    return (entry >= od->scope_entries[scope]) && (entry < od->scope_entries[scope + 1u]);
+}
+
+/* Whether a value that the node-ID is added to is that of an entry, of the same kind. */
+static int is_of_an_entry(const ods_od_node_id_t *row)
+{
+    for (uint32_t scope = 0; scope < ODS_SCOPES; scope++) {
+        for (uint32_t instance = od->scope_instances[scope]; instance < od->scope_instances[scope + 1u]; instance++) {
+            for (uint32_t n = od->scope_entries[scope]; n < od->scope_entries[scope + 1u]; n++) {
+                const ods_od_entry_t *const entry = &od->entries[n];
+                if (((entry->kind & ODS_CONST) == 0u) && (od->bases[instance] + entry->at == row->at) &&
+                    ((entry->kind & ODS_TYPE_MASK) == row->kind)) {
+                    return 1;
+                }
+            }
+        }
+    }
+    return 0;
+}
+
+/* Returns 0 if nothing contradicts the entries. */
+static int compare_tables(void)
+{
+    int wrong = (od->values_size != sizeof(VALUES));
+    for (uint32_t n = 0; n < od->node_id_count; n++) {
+        wrong |= !is_of_an_entry(&od->node_ids[n]);
+    }
+    return wrong;
+}
+
+/* ---- asking ------------------------------------------------------------------------------------------------------ */
 
 /* Prints what is there at an index. Returns 0 if what is not there was refused with the right code. */
 static int print_object(uint32_t index)
@@ -186,6 +228,9 @@ static int print_object(uint32_t index)
         const uint32_t abort_code = ods_od_find(od, (uint16_t)index, (uint8_t)sub, &ref);
         if (abort_code == 0u) {
             answers++;
+            if (!is_in_its_scope(&ref)) {
+                return 1;
+            }
             print_entry(index, sub, &ref);
         } else {
             no_object += (abort_code == ODS_ABORT_NO_OBJECT) ? 1u : 0u;
@@ -200,7 +245,7 @@ static int print_object(uint32_t index)
 
 int main(void)
 {
-    int wrong = 0;
+    int wrong;
 
     od = DEVICE.od;
     values = malloc(od->values_size);
@@ -208,6 +253,7 @@ int main(void)
         return 1;
     }
     power_on();
+    wrong = compare_tables();
     for (uint32_t index = 0; index <= 0xFFFFu; index++) {
         wrong |= print_object(index);
     }

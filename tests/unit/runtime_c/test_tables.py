@@ -188,6 +188,10 @@ def _expected_tables(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
                 mask = sum(1 << groups.index(group) for group in entry.groups)
                 yield f"store {obj.index} {entry.sub} {mask} {entry.repeat if entry.per_axis else 255}"
     yield from _expected_drive(device, vocabulary)
+    yield f"layout {device.layout}"
+    for area in device.areas:
+        if area.stride and not any(area.first <= obj.index <= area.last for obj in device.objects if obj.pdo):
+            yield f"area {area.first} {area.last} {area.stride}"
     for code in device.abort_codes:
         if code.used:
             yield f"abort {code.code}"
@@ -200,7 +204,8 @@ def _expected_drive(device: Device, vocabulary: Vocabulary) -> Iterator[str]:
         control = sum(bit.mask for bit in mode.control_bits if bit.supported)
         status = sum(bit.mask for bit in mode.status_bits if bit.supported)
         ramp = device.object(mode.slow_down_ramp)
-        yield f"mode {mode.code} {255 if mode.bit is None else mode.bit} {control} {status} {ramp.index if ramp else 0}"
+        bit = 255 if mode.bit is None else mode.bit
+        yield " ".join(map(str, ("mode", mode.code, bit, control, status, *([ramp.index] if ramp else []))))
     for pds_state in device.pds_states:
         row = (states.index(pds_state.name), pds_state.mask, pds_state.value, int(pds_state.power))
         yield " ".join(map(str, ("state", *row)))
