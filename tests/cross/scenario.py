@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 SCENARIOS = Path(__file__).parent / "scenarios"
@@ -78,8 +79,9 @@ class Scenario:
             )
 
 
-def all_scenarios() -> list[Scenario]:
-    return [read(path) for path in sorted(SCENARIOS.rglob("*.txt"))]
+@cache
+def all_scenarios() -> tuple[Scenario, ...]:
+    return tuple(read(path) for path in sorted(SCENARIOS.rglob("*.txt")))
 
 
 def read(path: Path) -> Scenario:

@@ -16,7 +16,7 @@ from tests.cross.testee import Bench
 
 from odsmith.model import Device
 
-LONG_US = 10_000_000
+LONG_US = 2_000_000
 """What takes longer in the device takes long in Python, too."""
 
 

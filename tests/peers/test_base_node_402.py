@@ -20,6 +20,8 @@ from odsmith_runtime.io import VirtualDevice
 
 __all__ = ["c_library", "engine", "package"]
 
+pytestmark = pytest.mark.slow
+
 TPDO_PERIOD_MS = 5
 PATIENCE = 60.0  # seconds: a machine may be busy with something else
 

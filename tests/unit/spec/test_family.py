@@ -97,7 +97,15 @@ Pair = tuple[Change, Outputs, Outputs]
 
 @pytest.fixture(
     scope="module",
-    params=[pytest.param((change, name), id=f"{change.name}-{name}") for change in CHANGES for name in DEVICES],
+    params=[
+        pytest.param(
+            (change, name),
+            id=f"{change.name}-{name}",
+            marks=[] if name == "tmcm3230" else pytest.mark.slow,  # twice the axes take twice as long
+        )
+        for change in CHANGES
+        for name in DEVICES
+    ],
 )
 def pair(request: pytest.FixtureRequest, root: Path, tmp_path_factory: pytest.TempPathFactory) -> Pair:
     """The outputs of a device before and after a change in the family."""

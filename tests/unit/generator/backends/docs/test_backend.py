@@ -382,6 +382,9 @@ def toy() -> dict[str, str]:
     return pages(TOY)
 
 
+each_device = pytest.mark.parametrize("device", ["toy", pytest.param("drive", marks=pytest.mark.slow)])
+
+
 @pytest.fixture(scope="module")
 def drive(tmcm3230: Device) -> dict[str, str]:
     return pages(tmcm3230)
@@ -399,7 +402,7 @@ def markdown_pages(found: dict[str, str]) -> dict[str, str]:
     return {name: text for name, text in found.items() if name.endswith(".md")}
 
 
-@pytest.mark.parametrize("device", ["toy", "drive"])
+@each_device
 def test_markdown_has_no_markup_but_ours(device: str, request: pytest.FixtureRequest) -> None:
     for name, text in markdown_pages(request.getfixturevalue(device)).items():
         page = rendered(text)
@@ -409,7 +412,7 @@ def test_markdown_has_no_markup_but_ours(device: str, request: pytest.FixtureReq
         assert not [link for link in page.links if ":" in link], name
 
 
-@pytest.mark.parametrize("device", ["toy", "drive"])
+@each_device
 def test_tables_of_markdown_have_rows_of_one_length(device: str, request: pytest.FixtureRequest) -> None:
     for name, text in markdown_pages(request.getfixturevalue(device)).items():
         for lines in tables(text):
@@ -419,7 +422,7 @@ def test_tables_of_markdown_have_rows_of_one_length(device: str, request: pytest
             assert all(line.endswith("|") for line in lines), name
 
 
-@pytest.mark.parametrize("device", ["toy", "drive"])
+@each_device
 def test_html_is_balanced_and_has_one_script_which_is_ours(
     device: str, request: pytest.FixtureRequest, root: Path
 ) -> None:
@@ -432,7 +435,7 @@ def test_html_is_balanced_and_has_one_script_which_is_ours(
     assert page.comments == [comment for comment in page.comments if MARK in comment]
 
 
-@pytest.mark.parametrize("device", ["toy", "drive"])
+@each_device
 def test_html_asks_nobody_for_anything(device: str, request: pytest.FixtureRequest) -> None:
     page = reading(request.getfixturevalue(device)["index.html"])
     assert not [item for item in page.attributes if item[1] in ("src", "srcset", "action", "data", "poster")]
@@ -477,7 +480,7 @@ def check_links(found: dict[str, str]) -> int:
     return checked
 
 
-@pytest.mark.parametrize("device", ["toy", "drive"])
+@each_device
 def test_links_of_markdown_lead_somewhere(device: str, request: pytest.FixtureRequest) -> None:
     assert check_links(request.getfixturevalue(device)) > 20
 
@@ -490,7 +493,7 @@ def test_links_of_a_device_without_axes_lead_somewhere(io_module: Device) -> Non
     assert check_links(pages(io_module)) > 20
 
 
-@pytest.mark.parametrize("device", ["toy", "drive"])
+@each_device
 def test_links_of_html_lead_somewhere(device: str, request: pytest.FixtureRequest) -> None:
     page = reading(request.getfixturevalue(device)["index.html"])
     assert len(page.ids) == len(set(page.ids)), [name for name, count in Counter(page.ids).items() if count > 1]
