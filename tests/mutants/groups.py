@@ -32,9 +32,6 @@ WITH_TABLES = ("tmcm3230", "tmcm6212")
 ENOUGH = 400
 """Talks that come past a mutant in Python, which is slow, beside those of its topic: quick ones go first."""
 
-TOO_LONG = 0.1
-"""Seconds that a talk takes in C, from which on it takes too long in Python."""
-
 TOPICS = {
     "access": {"write", "sdo"},
     "axis": {"fsa", "mode", "emergency", "stall", "encoder", "driver"},
@@ -72,6 +69,7 @@ class Reference:
     """
 
     seconds: float
+    work: int
     passed: int
     answers: tuple[int, ...]
 
@@ -112,7 +110,8 @@ class Listener:
             answers = self._runtime.play(talk)
             seconds = time.process_time() - begin
             passed = sum(1 << number for number in self._runtime.passed())
-            found[talk.name] = Reference(seconds, passed, tuple(map(hash, answers)) if talk.accepts(answers) else ())
+            hashes = tuple(map(hash, answers)) if talk.accepts(answers) else ()
+            found[talk.name] = Reference(seconds, talk.work(answers), passed, hashes)
         return found
 
 
@@ -139,8 +138,7 @@ def all_groups(runtime: ChangedRuntime, folder: Path, jobs: int) -> list[Group]:
         yield _of_code(c, talks, c_listener.listen(talks), len(talks))
 
     def of_python_code() -> Iterator[Judges]:
-        in_c = c_listener.listen(all_of_them())
-        talks = [talk for talk in all_of_them() if in_c[talk.name].seconds < TOO_LONG]
+        talks = all_of_them()
         yield _of_code(python, talks, python_listener.listen(talks), ENOUGH)
 
     def of_c_tables() -> Iterator[Judges]:
@@ -163,12 +161,12 @@ def all_groups(runtime: ChangedRuntime, folder: Path, jobs: int) -> list[Group]:
 
 def _of_code(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, Reference], most: int) -> Judges:
     """Talks that come past the place of the mutant: those of its topic, then the quick ones."""
-    by_time = sorted(talks, key=lambda talk: references[talk.name].seconds)
+    by_work = sorted(talks, key=lambda talk: references[talk.name].work)
 
     def judges(mutant: Mutant) -> Iterator[Judge]:
         module = mutant.where.partition(".")[0].removeprefix("ods_")
         topics = TOPICS.get(module, {module})
-        passing = [talk for talk in by_time if references[talk.name].passed >> mutant.number & 1]
+        passing = [talk for talk in by_work if references[talk.name].passed >> mutant.number & 1]
         first = [talk for talk in passing if talk.name.partition("/")[0] in topics]
         others = [talk for talk in passing[:most] if talk not in first]
         for talk in (*first, *others):
@@ -179,11 +177,11 @@ def _of_code(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, R
 
 def _of_uses(runtime: Runtime, talks: Sequence[Talk], references: Mapping[str, Reference]) -> Judges:
     """All talks with the device of a table, quick ones first."""
-    by_time = sorted(talks, key=lambda talk: references[talk.name].seconds)
+    by_work = sorted(talks, key=lambda talk: references[talk.name].work)
 
     def judges(mutant: Mutant) -> Iterator[Judge]:
         device = mutant.where.partition(" ")[0]
-        return (_judge_of_talk(runtime, talk, references[talk.name]) for talk in by_time if talk.device == device)
+        return (_judge_of_talk(runtime, talk, references[talk.name]) for talk in by_work if talk.device == device)
 
     return judges
 
