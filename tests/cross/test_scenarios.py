@@ -16,17 +16,20 @@ from tests.cross.testee import Bench
 
 from odsmith.model import Device
 
+QUICK = 3
+"""Each third scenario is among the fast tests."""
+
 LONG_US = 2_000_000
 """What takes longer in the device takes long in Python, too."""
 
 
-def _parameter(scenario: Scenario) -> ParameterSet:
+def _parameter(number: int, scenario: Scenario) -> ParameterSet:
     times = (int(step.line[2:]) for step in scenario.steps if step.line.startswith("T "))
-    marks = [pytest.mark.slow] if sum(times) > LONG_US else []
-    return pytest.param(scenario, id=scenario.name, marks=marks)
+    is_slow = number % QUICK or sum(times) > LONG_US
+    return pytest.param(scenario, id=scenario.name, marks=[pytest.mark.slow] if is_slow else [])
 
 
-each_scenario = pytest.mark.parametrize("scenario", [_parameter(scenario) for scenario in all_scenarios()])
+each_scenario = pytest.mark.parametrize("scenario", [_parameter(*each) for each in enumerate(all_scenarios())])
 
 
 @pytest.mark.slow
