@@ -205,7 +205,7 @@ class _Ramps:
         self._library = library
 
     def advance(self, ramp: Sequence[int], velocity: int, distance: int) -> tuple[int, bool]:
-        arrives = _FFI.new("int *")
+        arrives = _FFI.new("int *", 1)  # it has to be told when it does not
         speed = self._library.ods_ramp_advance(list(ramp), velocity, distance, arrives)
         return int(speed), bool(arrives[0])
 
