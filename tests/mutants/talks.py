@@ -8,6 +8,7 @@ caught today and not tomorrow.
 from __future__ import annotations
 
 import random
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -25,7 +26,7 @@ TOGETHER = 6
 """Objects that one probe looks at."""
 
 EACH = 3
-"""A reset interrupts each third scenario."""
+"""A reset interrupts one scenario in three, the same ones when others are added."""
 
 Answers = Sequence[tuple[str, ...]]
 
@@ -49,7 +50,8 @@ class Talk:
 
 def all_talks(devices: Sequence[Device]) -> list[Talk]:
     talks = [_scenario(scenario) for scenario in all_scenarios()]
-    talks += [_interrupted(scenario) for scenario in all_scenarios()[::EACH]]
+    chosen = (scenario for scenario in all_scenarios() if not zlib.crc32(scenario.name.encode()) % EACH)
+    talks += map(_interrupted, chosen)
     for device in devices:
         if device.object("error_register"):  # the oracle knows devices as complete as real ones
             talks += _probes(device)
