@@ -344,14 +344,8 @@ def in_c(
     tables = (generated / f"{name}_od.c", generated / f"{name}_device.c", root / "runtime_c" / "src" / "ods_od.c")
     run(
         [
-            *(
-                *c_build.command,
-                "-std=c99",
-                "-O1",
-                *WARNINGS,
-                f'-DDEVICE_HEADER="{name}_device.h"',
-                f"-DDEVICE={name}_device",
-            ),
+            *(*c_build.command, "-std=c99", "-O1", *WARNINGS),
+            *(f'-DDEVICE_HEADER="{name}_device.h"', f"-DDEVICE={name}_device", f"-DVALUES={name}_values_t"),
             *(f"-I{place}" for place in (root / "runtime_c" / "include", folder / "cia" / "c", generated)),
             *(str(root / "tests" / "unit" / "runtime_c" / "dump_od.c"), *map(str, tables), "-o", str(folder / "dump")),
         ]
