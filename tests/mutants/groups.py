@@ -40,10 +40,11 @@ TOPICS = {
     "mode": {"pp", "pv", "csp", "csv", "mode"},
     "motion": {"ramp", "encoder"},
     "motor": {"driver", "brake", "stall"},
+    "nmt": {"nmt", "sdo"},
     "node": {"time", "nmt"},
     "od": {"write", "nmt", "store"},
     "pdo": {"pdo", "sync", "time"},
-    "simulation": {"driver", "limits", "homing", "stall"},
+    "simulation": {"driver", "emergency", "limits", "homing", "stall"},
 }
 """Folders of scenarios that are about a module, where they do not have its name."""
 
