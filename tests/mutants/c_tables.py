@@ -203,9 +203,9 @@ def _other_kinds(old: int) -> Iterator[tuple[int, str]]:
     yield old ^ READ, "access"
     yield old ^ RX, "mapping"
     yield old ^ TX, "mapping"
+    yield old ^ CONST, "access"
     yield old ^ 1, "type"
-    if old & TYPE not in TEXTS:  # a string is constant or not by its row of texts
-        yield old ^ CONST, "access"
+    if old & TYPE not in TEXTS:
         yield old ^ 0x0C, "type"
 
 

@@ -30,7 +30,7 @@
  *         variable              offset in the struct of its instance
  *         constant, <= 16 bits  the value itself
  *         constant, more bits   number of its first word in `words`, the low word first
- *         string or domain      number of its row in `texts`, whether constant or not
+ *         string or domain      number of its row in `texts`, which has octets if it is constant
  *     A constant may be writable, as a command is: the rule is obeyed, the value never kept.
  *
  * Rules

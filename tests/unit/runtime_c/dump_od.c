@@ -177,6 +177,13 @@ static void print_entry(uint32_t index, uint32_t sub, const ods_od_ref_t *ref)
 
 /* ---- what other tables say of entries ---------------------------------------------------------------------------- */
 
+/* A string says twice whether it is constant. */
+static int is_as_constant_as_its_text(const ods_od_entry_t *entry)
+{
+    const int is_constant = (entry->kind & ODS_CONST) != 0u;
+    return ((entry->kind & ODS_TYPE_MASK) >= ODS_U8) || (is_constant == (od->texts[entry->at].octets != NULL));
+}
+
 static int is_in_its_scope(const ods_od_ref_t *ref)
 {
     const uint32_t entry = (uint32_t)(ref->entry - od->entries);
@@ -228,7 +235,7 @@ static int print_object(uint32_t index)
         const uint32_t abort_code = ods_od_find(od, (uint16_t)index, (uint8_t)sub, &ref);
         if (abort_code == 0u) {
             answers++;
-            if (!is_in_its_scope(&ref)) {
+            if (!is_in_its_scope(&ref) || !is_as_constant_as_its_text(ref.entry)) {
                 return 1;
             }
             print_entry(index, sub, &ref);
